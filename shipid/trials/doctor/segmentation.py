@@ -17,6 +17,12 @@ _LEAST = np.radians(1.5)
 _LEAST_SWING = np.radians(0.7)
 """A rudder that is reversed nearer to the course than this keeps it."""
 
+_LARGEST = np.radians(60.0)
+"""Heading at which the rudder of a zig-zag is reversed, at the most."""
+
+_ALIKE = 0.3
+"""Orders are given at one heading where they are this share of it apart."""
+
 _STRAIGHT = 0.1
 """Shares of a plate's angle by which a rudder on its way to the other side stays near a straight line, however slow its gear."""
 
@@ -139,9 +145,12 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tupl
         spread = max(float(np.ptp(out)), float(np.ptp(back)))
     begin, end = _begin(delta, plates[0]), _end(delta, plates[-1])
     regular = swing > 0 and spread < 1.2 * swing and all(plate.dwell > 0.4 for plate in plates)
-    if swing <= _LEAST_SWING or swing > np.pi / 2 or spread > 2.5 * swing:
+    if swing <= _LEAST_SWING or spread > 2.5 * swing:
         return []
     heading = _heading_change(p, delta, plates, swing)
+    # In slow gear the ship turns far on while the rudder goes over: the heading at the order tells a zig-zag from circles.
+    if swing > np.pi / 2 and not (len(plates) > 2 and heading < _LARGEST):
+        return []
     nominal = _nominal(max(abs(plate.angle) for plate in plates))
     return [
         (
@@ -161,7 +170,8 @@ def _heading_change(p: WorkingCopy, delta: np.ndarray, plates: list[Plate], swin
     if len(at) < 2:
         return float(at[0] - psi[plates[0].first] * plates[0].side)
     value = 0.5 * float(np.median(at[0::2]) - np.median(at[1::2]))
-    return value if value > 0.3 * swing else swing
+    alike = max(float(np.ptp(at[0::2])), float(np.ptp(at[1::2]))) < _ALIKE * value
+    return value if value > 0.3 * swing or (len(at) > 2 and alike) else swing
 
 
 def _leaves(t: np.ndarray, delta: np.ndarray, plate: Plate) -> float:

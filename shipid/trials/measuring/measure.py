@@ -19,7 +19,8 @@ from shipid.trials.measuring.listing import chosen, manoeuvres_in
 from shipid.trials.measuring.pull_out import measure_pull_out
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.zigzag import ZigZag
-from shipid.trials.measuring.rudder.steering import Steering, steering_of
+from shipid.trials.measuring.rudder.executes import leaves
+from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.spiral import is_spiral, measure_spiral
 from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
@@ -34,6 +35,8 @@ _MEASURE: dict[str, Callable[[Trial, str | None, float | None, Faults], Measures
     "pull-out": measure_pull_out,
 }
 KINDS = tuple(_MEASURE)
+_WIDEST = 2 * np.radians(60.0)
+"""The two headings at which the rudder of a zig-zag is reversed are this far apart at the most."""
 
 
 def measure(
@@ -149,9 +152,9 @@ def _detected(trial: Trial, faults: Faults) -> str:
     steering = steering_of(trial, None, wrong=faults.wrong.get("delta"))
     psi = channel_of(trial, "psi", faults.wrong.get("psi"))
     turning = turning_plate(steering, psi)
-    if turning is not None and turning.side * float(np.diff(_heading(steering, psi, turning))[0]) > pi:
-        return "turning circle"
     held = regular(plates(steering.channel.y))
+    if turning is not None and turning.side * float(np.diff(_heading(steering, psi, turning))[0]) > pi:
+        return "zig-zag" if _ordered_by_heading(steering, psi, held) else "turning circle"
     if len(held) >= 2 and _reversed_by_heading(steering, psi, held):
         return "zig-zag"
     if turning is not None:
@@ -167,6 +170,19 @@ def _detected(trial: Trial, faults: Faults) -> str:
 def _heading(steering: Steering, psi: Channel, plate: Plate) -> np.ndarray:
     """Heading at both ends of a plate [rad]."""
     return np.asarray(np.interp([steering.channel.t[plate.first], steering.after(plate)], psi.t, psi.y))
+
+
+def _ordered_by_heading(steering: Steering, psi: Channel, held: list[Plate]) -> bool:
+    """Whether the rudder is ordered over at two headings in turn, as in a zig-zag of slow gear: the ship turns far on meanwhile."""
+    if len(held) < 3:
+        return False
+    known = rate_of(steering, held)
+    at = np.interp([leaves(known, plate).time for plate in held[:-1]], psi.t, psi.y) * held[0].side
+    apart = float(np.median(at[0::2]) - np.median(at[1::2]))
+    middle = 0.5 * float(np.median(at[0::2]) + np.median(at[1::2]))
+    # Two reversals alone are as far on either side of the course.
+    centred = len(at) > 2 or abs(middle - held[0].side * float(psi.y[0])) < 0.2 * apart
+    return 0 < apart < _WIDEST and centred and max(float(np.ptp(at[0::2])), float(np.ptp(at[1::2]))) < 0.3 * apart
 
 
 def _reversed_by_heading(steering: Steering, psi: Channel, held: list[Plate]) -> bool:

@@ -6,6 +6,7 @@ from shipid.foundation.errors import UsageError
 from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.measuring.listing import manoeuvres_in
+from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.measuring.measure import measure
 from shipid.trials.trial import Trial
 
@@ -76,3 +77,15 @@ def test_one_manoeuvre_in_a_long_log_is_measured_in_its_window(sailed):
     }  # fmt: skip
     found = measure(Trial.from_frame(pd.DataFrame(columns)))
     np.testing.assert_allclose(np.degrees(found.leading_overshoots[:3]), overshoots[:3], atol=0.05)
+
+
+def test_a_zigzag_of_slow_gear_that_turns_far_on_is_no_circle(sailed):
+    """35/20 at 0.7 deg/s: the ship turns through 236 deg from one extreme to the other."""
+    t, psi, delta, *_, overshoots = sailed(switch=20.0, rudder=35.0, rudder_rate=0.7, duration=600.0)
+    columns = {"t [s]": t[::50], "psi [deg]": psi[::50], "delta [deg]": delta[::50]}
+    trial = Trial.from_frame(pd.DataFrame(columns))
+    found = measure(trial)
+    assert found.title == "zig-zag 35/20"
+    np.testing.assert_allclose(np.degrees(found.leading_overshoots[:3]), overshoots[:3], atol=0.2)
+    assert [m.kind for m in check_trial(trial).manoeuvres if m.kind in ("turn", "zigzag")] == ["zigzag"]
+    assert measure(trial.window(0.0, 500.0)).title == "zig-zag 35/20"

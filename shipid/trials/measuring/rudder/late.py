@@ -72,10 +72,11 @@ def _by_answer(trial: Trial, steering: Steering, orders: Sequence[float]) -> Set
     answer = order_answered(trial, steering.channel.name)
     if answer is None or answer.earliest <= 0 or answer.delay < _SEEN:
         return None
+    doubtful = answer.delay - 0.5 * steering.channel.interval > GEAR
     return SettingOut(
-        tuple(when + answer.delay for when in orders), answer.late,
+        tuple(when + answer.delay for when in orders), doubtful,
         f"the rudder angle is not logged, and by the ship's answer it sets out {answer.delay:.3g} s after the order "
-        f"({answer.earliest:.2g} to {answer.latest:.2g} s): {_either(answer.late)}",
+        f"({answer.earliest:.2g} to {answer.latest:.2g} s): {_either(doubtful)}",
     )  # fmt: skip
 
 

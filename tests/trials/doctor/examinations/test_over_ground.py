@@ -58,3 +58,23 @@ def test_a_log_that_is_off_is_named_without_a_heading(simulated, factor):
     finding = told(log(simulated("turn:35", "none", "norrbin", "zeefakkel"), factor=factor))["speed-scale"]
     assert finding.serious and not finding.repaired
     assert f"reads {percent(abs(1 - factor))} {'low' if factor < 1 else 'high'}" in finding.message
+
+
+def test_a_speed_over_ground_at_a_quarter_of_the_track_is_told(simulated):
+    frame = log(simulated(noise="none"))
+    assert "speed-scale" not in told(frame)
+    found = told(frame.assign(**{"SOG [m/s]": frame["SOG [m/s]"] / 4}))["speed-scale"]
+    assert found.channel == "SOG" and found.serious and "3.99" in found.message and found.fix is None
+
+
+def test_a_current_along_a_zigzag_is_no_serious_fault_of_the_speed(simulated):
+    trial = simulated()
+    frame = trial.to_frame().drop(columns="delta_order [deg]", errors="ignore")
+    ahead = float(np.median(trial["psi"]))
+    flow = 0.12 * float(np.median(trial["u"])) * trial["t"]
+    along = frame.assign(**{
+        "x [m]": frame["x [m]"] + flow * np.cos(ahead), "y [m]": frame["y [m]"] + flow * np.sin(ahead)
+    })  # fmt: skip
+    diagnosis = shipid.check_trial(shipid.Trial.from_frame(along))
+    assert not diagnosis.serious
+    assert {"speed-scale", "track-inconsistent"} & set(diagnosis.kinds)

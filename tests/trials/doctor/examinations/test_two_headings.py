@@ -90,3 +90,12 @@ def test_a_speed_over_ground_that_stands(frame):
     still = frame.drop(columns=[c for c in frame if c[:2] in ("u ", "v ", "U ")]).assign(**{"SOG [kn]": 0.01})
     still.loc[::7, "SOG [kn]"] = 0.02
     assert "speed-stands" in kinds(still)
+
+
+def test_two_near_headings_under_noise(simulated):
+    """2.5 deg apart, each scattering by 0.2 deg: the largest steps are half as large again as the usual ones."""
+    frame = simulated(noise="none").to_frame().drop(columns="delta_order [deg]", errors="ignore")
+    k = np.arange(len(frame))
+    noisy = frame["psi [deg]"] + np.random.default_rng(1).normal(0, 0.2, len(frame))
+    assert "heading-two-sources" in kinds(frame.assign(**{"psi [deg]": noisy + 2.5 * (k % 2)}))
+    assert "heading-two-sources" not in kinds(frame.assign(**{"psi [deg]": noisy}))

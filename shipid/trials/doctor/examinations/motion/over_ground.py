@@ -63,6 +63,13 @@ def _unit_of_speed(p: WorkingCopy) -> None:
     factor = float(found.value[0])
     unit, exact = next(((u, f) for f, u in UNITS_OF_SPEED if abs(np.log(factor / f)) < _SAME_UNIT), ("", 1.0))
     if not unit:
+        if abs(np.log(factor)) > _OFF:
+            p.add(
+                "speed-scale", "SOG", robust.confidence_of(abs(np.log(factor)) / _OFF, 0.5, 1.5),
+                f"the positions move {factor:.4g} times as fast as SOG says, and no current comes between the two",
+                "Every speed and distance that is read from it is off by this factor.",
+                "Find out where it comes from; the speed over ground follows from the positions.",
+            )  # fmt: skip
         return
     applied = p.add(
         "unit", "SOG", 0.95, f"the positions move {factor:.4g} times as fast as SOG says: SOG is {unit}",

@@ -310,6 +310,7 @@ def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, gr
     # No log is off by half: where no rate of turn tells the two apart, the clock may be.
     clock = not p.has("r") and abs(np.log(fit.scale)) > _FAR
     causes = [] if told else ["a current along the course"]
+    maybe = not told and not unit and abs(fit.scale - 1) < _STRONGEST
     causes += ["a clock that runs at another speed"] if clock else []
     applied = p.add(
         "unit" if unit else "speed-scale", names, sure if unit or (told and not clock) else min(sure, 0.85),
@@ -318,7 +319,7 @@ def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, gr
         "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
         "square.",
         f"Multiply {names} by {factor:.6g}; in a format file: scale = {factor:.6g}, or the true unit.",
-        fix={"action": "scale", "column": names, "factor": float(factor)},
+        fix={"action": "scale", "column": names, "factor": float(factor)}, spoils=not maybe,
     )  # fmt: skip
     if applied:
         for name in columns:

@@ -40,6 +40,8 @@ def examine_two_headings(p: WorkingCopy) -> None:
     step = np.diff(psi) - np.diff(mean / (2 * _WIDTH + 1))
     size = np.abs(step)
     largest = float(np.median(np.sort(size)[-max(_FEWEST, len(size) // 100) :]))
+    # Under noise the largest steps are larger than the usual ones.
+    largest = float(np.median(size[size > 0.5 * largest])) if largest > 0 else 0.0
     jumps = np.flatnonzero(size > 0.5 * largest)
     between = int(np.sum((size > 0.3 * largest) & (size < 0.7 * largest)))
     if len(jumps) < _FEWEST or between > _BETWEEN * len(jumps):

@@ -22,6 +22,9 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 _PLAIN, _LEAST = 5.0, 1.5
 """An answer that is explained so many times as well by a shift shows one of so many samples; ships of second order reach 2.3."""
 
+_FEW = 2.2
+"""Where there are two executes only, it is explained so many times as well, whatever else is allowed for."""
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -128,7 +131,9 @@ def examine_delay(p: WorkingCopy) -> None:
     if answer.explained < 0.1:
         _unanswered(p, name, answer)
         return
-    if answer.executes < 3 or answer.explained < 0.5:
+    # Two executes, of which one is a reversal, show a delay that nothing else explains.
+    few = answer.executes == 2 and min(answer.gain, answer.slow, answer.free) > _FEW
+    if (answer.executes < 3 and not few) or answer.explained < 0.5:
         return
     share = answer.delay / answer.half
     if answer.delay < 0:
