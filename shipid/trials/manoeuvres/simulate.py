@@ -25,8 +25,7 @@ from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
 from shipid.parts.waves import Waves
-from shipid.parts.wind import Wind
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, said_of
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, said_of, wind_parts
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, froude_share, wave_noise
@@ -138,7 +137,7 @@ def simulate(
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
 
     check_flows(model, current, wind)
-    whole = _with_steering(model, planned.helm, steering, wind is not None, waves is not None)
+    whole = _with_steering(model, planned.helm, steering, wind, waves is not None)
     whole, replaced = _with_values(whole, values or {})
     known = ship.values(whole, speed=u0) | replaced | planned.constants
     lacking = missing_values(whole, known, f"ship {ship.name}")
@@ -179,6 +178,9 @@ def simulate(
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
     # What was held is known, and what reads the trial needs it: the loading, the revolutions of the propeller.
     held = {n: float(known[constant]) for n, constant in held_inputs(model).items() if n not in table}
+    # A model that reads the wind itself takes it from the log again.
+    told = flow_inputs(None, wind)
+    held |= {n: v % (2 * np.pi) if n == "wind_direction" else v for n, v in told.items() if n in model.inputs}
     table = table.assign(**held)
     noises = ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
     met = "".join(
@@ -242,11 +244,11 @@ def usual_interval_of(unit_time: float) -> float:
     return max((i for i in _INTERVALS if i <= unit_time / 20), default=_INTERVALS[0])
 
 
-def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bool, waves: bool) -> Model:
+def _with_steering(model: Model, helm: type[Component], steering: bool, wind: Flow | None, waves: bool) -> Model:
     if "delta" not in model.inputs:
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
     rudder = steering_machine_of(model) if steering else DirectRudder
-    extra = (*((Wind,) if wind else ()), *((Waves,) if waves else ()))
+    extra = (*wind_parts(model, wind), *((Waves,) if waves else ()))
     return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
 
 
