@@ -24,6 +24,7 @@ from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
+from shipid.parts.sensors import shown_by
 from shipid.parts.waves import Waves
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, said_of, wind_parts
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
@@ -161,7 +162,9 @@ def simulate(
     # Not compiled: a model that is simulated once is sooner run than compiled.
     logged = recorded_rudder(whole)
     kept = (*RECORDED, *(n for n in _OWN if n in model.states))
-    columns_shown = [logged if n == "delta" else n for n in (*kept, *_WAVED.values()) if n in whole]
+    there = [n for n in (*kept, *_WAVED.values()) if n in whole]
+    reading = dict(zip(there, shown_by(whole, there))) | ({"delta": logged} if "delta" in there else {})
+    columns_shown = list(reading.values())
     simulator = make_simulator(whole, columns_shown, hold="zero", compiled=False)
     run = simulator(t, known, acting, {"u": u0, "psi": course})
     if run.departure is not None:
@@ -172,9 +175,10 @@ def simulate(
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)
-    columns = {"delta" if n == logged else n: c for n, c in run.columns.items() if n in (logged, *kept)}
+    columns = {n: run.columns[reading[n]] for n in kept if n in reading}
     if waves is not None:
-        columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if n in columns}
+        # The reading of an instrument has the waves already.
+        columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if reading.get(n) == n}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
     # What was held is known, and what reads the trial needs it: the loading, the revolutions of the propeller.
     held = {n: float(known[constant]) for n, constant in held_inputs(model).items() if n not in table}
