@@ -6,9 +6,12 @@ others. Passenier (1989), section 5.2 and 5.3: waves move the heading and its ra
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from shipid.declaration.component import Component, declared_quantities
+from shipid.declaration.model import Model
 from shipid.declaration.quantity import constant, given, output, parameter, state
 from shipid.declaration.units import to_si
 
@@ -160,3 +163,18 @@ def standard_noise() -> dict[str, float]:
     """Return the standard deviation per sample of the standard sensors, SI, by the quantity they measure."""
     shown = [q for sensor in STANDARD_SENSORS for q in declared_quantities(sensor).values() if q.kind == "output"]
     return {q.measures: to_si(q.noise, q.unit, f"noise of {q.name}") for q in shown if q.measures and q.noise}
+
+
+def shown_by(model: Model, names: Sequence[str]) -> tuple[str, ...]:
+    """Return what a log shows of quantities: the reading of an instrument with errors of its own, such as a scale; else themselves.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    names : sequence of str
+        Quantities that are measured.
+    """
+    own = {e.owner for e in model.entries.values() if e.quantity.kind in ("parameter", "constant")}
+    readings = {model[n].quantity.measures: n for n in model.outputs if model[n].owner in own}
+    return tuple(readings.get(n, n) for n in names)

@@ -52,7 +52,7 @@ def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None
             errors[:, k] = errors_between(t, values, sampled, seed=k)
     if not errors.any():
         return None
-    record = make_record(model, problem.signals)
+    record = make_record(model, problem.shown)
     x0 = initial_state(model, problem.start(q, index))
     p, bias = coefficient_vector(model, problem.values(q)), problem.bias_vector(q[problem.own(index)])
     # The first run is without errors.

@@ -18,6 +18,7 @@ from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.generation.system import generate
 from shipid.identification.problem.prior import Prior
 from shipid.identification.problem.trial_data import TrialData
+from shipid.parts.sensors import shown_by
 
 #: Weighted residual of a sample at which the model has run away.
 RUNAWAY = 1e6
@@ -74,7 +75,12 @@ class Problem:
     @property
     def record(self) -> Record:
         """The generated record function."""
-        return make_record(self.model, self.signals, self.estimated, self.initial, self.biases)
+        return make_record(self.model, self.shown, self.estimated, self.initial, self.biases)
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """What the log shows of the fitted signals (`shown_by`)."""
+        return shown_by(self.model, self.signals)
 
     @property
     def per_trial(self) -> int:
@@ -356,7 +362,7 @@ def make_problem(
     bias_offset : mapping, optional
         Biases that are known beforehand, by input.
     """
-    behind = generate(model).states_behind(signals)
+    behind = generate(model).states_behind(shown_by(model, signals))
     levels = np.asarray(sigma, dtype=float)
     return Problem(
         model, tuple(trials), signals, estimated, behind, biases, dict(fixed), levels, dict(bias_offset or {})

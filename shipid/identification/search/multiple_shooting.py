@@ -162,7 +162,7 @@ class _Shooting:
 
     def __init__(self, problem: Problem, paths: list[np.ndarray], samples: int) -> None:
         self.problem = problem
-        shown = tuple(dict.fromkeys((*problem.signals, *problem.initial)))
+        shown = tuple(dict.fromkeys((*problem.shown, *problem.initial)))
         self.record: Record = make_record(problem.model, shown, problem.estimated, problem.initial, problem.biases)
         self.ends = [shown.index(n) for n in problem.initial]
         self.scale = np.array([self._size(n) for n in problem.initial])

@@ -146,7 +146,7 @@ class _Density:
     def __init__(self, identified: Identified) -> None:
         problem = identified.problem
         self.problem = problem
-        self.record = make_record(problem.model, problem.signals)
+        self.record = make_record(problem.model, problem.shown)
         self.low, self.high = bounds_of(problem, identified.box)
         self.noise = identified.noise
         self.shares = identified.covariance.effective * _pulled(identified)

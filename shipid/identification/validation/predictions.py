@@ -27,6 +27,7 @@ from shipid.identification.search.least_squares import minimise
 from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures, examined, measured_circle, measures_of
+from shipid.parts.sensors import shown_by
 from shipid.trials.filling import samples_of
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
@@ -210,7 +211,9 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
     """
     trial = problem.trials[index].trial
     shown = shown_outputs(problem)
-    y, _, margins = problem.guarded_run(q, index, make_record(problem.model, shown, guarded=True))
+    y, _, margins = problem.guarded_run(
+        q, index, make_record(problem.model, shown_by(problem.model, shown), guarded=True)
+    )
     predicted = dict(zip(shown, y))
     overshoots, foreseen = _overshoots(trial, measures, predicted.get("psi"))
     left = first_departure(problem.model, trial["t"], margins)

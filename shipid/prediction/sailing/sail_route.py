@@ -22,7 +22,6 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import FASTEST_TURN, LEAST_SPEED
 from shipid.parts.waves import Waves
-from shipid.parts.wind import Wind
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.track_pilot import TrackPilot
 from shipid.prediction.following.wheel_over import heading_on
@@ -35,7 +34,7 @@ from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.sailing.voyage import LimitLeft, Voyage, WheelOverDone
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, wind_parts
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source, origin_words
@@ -133,9 +132,9 @@ def sail_route(
     u0 = _speed(pilot, route, speed, told)
     plan = plan_of(route, radius=_radius(pilot, route, radius, told))
     flows = flow_inputs(current, wind)
-    windy: tuple[type[Component], ...] = (Wind,) if wind is not None else ()
+    windy = wind_parts(truth, wind)
     helm = TrackPilot(
-        TrackPredictor(pilot, parts=windy),
+        TrackPredictor(pilot, parts=wind_parts(pilot.model, wind)),
         plan,
         rudder_limit=None if rudder_limit is None else number(rudder_limit, "rad", "the rudder limit"),
     )

@@ -7,9 +7,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import Typed, to_si
 from shipid.foundation.errors import UsageError
+from shipid.parts.wind import Wind
 
 #: A current, a wind or waves: ``"3 kn to 30 deg"``, or a size and the direction they flow TO, each with a unit or in SI.
 Flow: TypeAlias = "str | tuple[str | float, str | float]"
@@ -94,9 +96,24 @@ def check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
     UsageError
         If the model does not read what the current or the wind states.
     """
-    for flow, asked, quantity in (("current", current, "current_north"), ("wind", wind, "r_disturbance")):
-        if asked is not None and quantity not in model.inputs:
+    acts = {"current": ("current_north",), "wind": ("r_disturbance", "wind_speed")}
+    for (flow, quantities), asked in zip(acts.items(), (current, wind)):
+        if asked is not None and not set(quantities) & set(model.inputs):
+            quantity = quantities[0]
             raise UsageError(f"model {model.name} reads no '{quantity}', so a {flow} does not act on it: leave it out.")
+
+
+def wind_parts(model: Model, wind: Flow | None) -> tuple[type[Component], ...]:
+    """Return the components through which a wind acts on a model; none where the model reads the wind itself.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model.
+    wind : str or tuple, optional
+        The wind.
+    """
+    return (Wind,) if wind is not None and "wind_speed" not in model.inputs else ()
 
 
 def flow_inputs(current: Flow | None, wind: Flow | None) -> dict[str, float]:

@@ -24,9 +24,9 @@ from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
+from shipid.parts.sensors import shown_by
 from shipid.parts.waves import Waves
-from shipid.parts.wind import Wind
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, said_of
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, said_of, wind_parts
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, froude_share, wave_noise
@@ -138,7 +138,7 @@ def simulate(
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
 
     check_flows(model, current, wind)
-    whole = _with_steering(model, planned.helm, steering, wind is not None, waves is not None)
+    whole = _with_steering(model, planned.helm, steering, wind, waves is not None)
     whole, replaced = _with_values(whole, values or {})
     known = ship.values(whole, speed=u0) | replaced | planned.constants
     lacking = missing_values(whole, known, f"ship {ship.name}")
@@ -162,7 +162,9 @@ def simulate(
     # Not compiled: a model that is simulated once is sooner run than compiled.
     logged = recorded_rudder(whole)
     kept = (*RECORDED, *(n for n in _OWN if n in model.states))
-    columns_shown = [logged if n == "delta" else n for n in (*kept, *_WAVED.values()) if n in whole]
+    there = [n for n in (*kept, *_WAVED.values()) if n in whole]
+    reading = dict(zip(there, shown_by(whole, there))) | ({"delta": logged} if "delta" in there else {})
+    columns_shown = list(reading.values())
     simulator = make_simulator(whole, columns_shown, hold="zero", compiled=False)
     run = simulator(t, known, acting, {"u": u0, "psi": course})
     if run.departure is not None:
@@ -173,12 +175,16 @@ def simulate(
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)
-    columns = {"delta" if n == logged else n: c for n, c in run.columns.items() if n in (logged, *kept)}
+    columns = {n: run.columns[reading[n]] for n in kept if n in reading}
     if waves is not None:
-        columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if n in columns}
+        # The reading of an instrument has the waves already.
+        columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if reading.get(n) == n}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
     # What was held is known, and what reads the trial needs it: the loading, the revolutions of the propeller.
     held = {n: float(known[constant]) for n, constant in held_inputs(model).items() if n not in table}
+    # A model that reads the wind itself takes it from the log again.
+    told = flow_inputs(None, wind)
+    held |= {n: v % (2 * np.pi) if n == "wind_direction" else v for n, v in told.items() if n in model.inputs}
     table = table.assign(**held)
     noises = ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
     met = "".join(
@@ -242,11 +248,11 @@ def usual_interval_of(unit_time: float) -> float:
     return max((i for i in _INTERVALS if i <= unit_time / 20), default=_INTERVALS[0])
 
 
-def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bool, waves: bool) -> Model:
+def _with_steering(model: Model, helm: type[Component], steering: bool, wind: Flow | None, waves: bool) -> Model:
     if "delta" not in model.inputs:
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
     rudder = steering_machine_of(model) if steering else DirectRudder
-    extra = (*((Wind,) if wind else ()), *((Waves,) if waves else ()))
+    extra = (*wind_parts(model, wind), *((Waves,) if waves else ()))
     return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
 
 

@@ -160,6 +160,14 @@ def test_a_flow_is_said_as_at_the_command_line(name: str, text: str, pair: Plain
     assert f"{name} {'10 m/s to 1.571 rad' if name == 'wind' else ' to '.join(pair)}" in given.source.comment
 
 
+def test_a_model_that_reads_the_wind_itself_is_turned_by_it_and_its_log_shows_it() -> None:
+    """It was told that no wind acts on it; identified from its log, it would have taken the wind as none."""
+    blown = simulate("cubic-wind", "esso-osaka-3m", "zigzag:10/10", duration="60 s", wind="2 m/s from 250 deg")
+    assert np.allclose(blown["wind_speed"], 2.0) and np.allclose(blown["wind_direction"], np.deg2rad(70.0))
+    calm = simulate("cubic-wind", "esso-osaka-3m", "zigzag:10/10", duration="60 s")
+    assert np.abs(blown["r"] - calm["r"]).max() > np.deg2rad(0.05) and not calm.has("wind_speed")
+
+
 def test_wind_turns_the_ship() -> None:
     coefficients = {"N_w": "1e-7 rad/m^2", "F_w": "1e-7 1/m^2"}
     blown = sail("zigzag:10/10", values=coefficients, wind=("15 m/s", "60 deg"), sampling="0.25 s")
