@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.bridge.own_ship.remembered import Remembered
 from shipid.bridge.own_ship.sensors import Sensors
@@ -194,9 +196,7 @@ class OwnShip:
         moved = math.hypot(*(known.values[n] - before.values[n] - d for n, d in zip(("x", "y"), sailed)))
         if moved > self.length + _JUMP * self._levels["x"]:
             self._jump = t, moved
-            # What was predicted before begins elsewhere, and how far off the fixes were says nothing of those that come.
-            self._fixes = None
-            self.remembered.forget()
+            self.remembered.forget()  # what was predicted before begins elsewhere
 
     def _fix(self, t: float, sample: Mapping[str, float]) -> None:
         """Hold a fix against the estimate, and the current as unsure as the fixes are."""
@@ -213,8 +213,9 @@ class OwnShip:
         if now >= most or t - since > TURN_REMEMBERED * unit_time:
             self._turned = now, t
         if "x" in sample and "y" in sample:
-            north, east = ((sample[n] - known.values[n]) / self._levels[n] for n in ("x", "y"))
-            errors.add(t, north, east)
+            # A receiver that has jumped may err again, but how far it was off says nothing of how far it will be.
+            off = [(sample[n] - known.values[n]) / self._levels[n] for n in ("x", "y")]
+            errors.add(t, *np.clip(off, -_JUMP, _JUMP))
         moved = moves.add(known) if set(CURRENT) <= set(known.uncertain) else 0.0
         self._situation = widened_current(known, errors.squares, self._turned[0], moved)
 
