@@ -6,7 +6,6 @@ from shipid.foundation.errors import UsageError
 from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.measuring.listing import manoeuvres_in
-from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.measuring.measure import measure
 from shipid.trials.trial import Trial
 
