@@ -9,10 +9,14 @@ from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.live.following import LiveFollowing
 from shipid.trials.logs.live.messages import LiveMessages
 from shipid.trials.logs.live.nmea import LiveNmea
-from shipid.trials.logs.live.table import LiveSample, LiveTable
+from shipid.trials.logs.live.table import LiveSample, LiveTable, is_sample_line
 from shipid.trials.logs.nmea.messages.canboat import is_message
 from shipid.trials.logs.nmea.sentences.collecting import is_sentence
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
+
+
+#: Lines that may stand above the first sentence.
+_HEAD = 20
 
 
 class LiveLog:
@@ -80,16 +84,27 @@ class LiveLog:
                 continue
             before.append(line)
             if line.strip() and not line.lstrip().startswith("#"):
-                self._reader = self._choose(line)
-                for k, text in enumerate(before, start=1):
-                    yield from self._reader.take(k, text)
-        yield from (self._reader or LiveTable(self._format, self._where, self._tell)).end()
+                self._reader = self._choose(line, last=len(before) >= _HEAD)
+                yield from self._again(before)
+        if self._reader is None:
+            self._reader = LiveTable(self._format, self._where, self._tell)
+            yield from self._again(before)
+        yield from self._reader.end()
 
-    def _choose(self, line: str) -> LiveTable | LiveNmea:
+    def _again(self, before: list[str]) -> Iterator[LiveSample]:
+        """What the lines hold that came before it was known what they are."""
+        if self._reader is not None:
+            for k, text in enumerate(before, start=1):
+                yield from self._reader.take(k, text)
+
+    def _choose(self, line: str, last: bool) -> LiveTable | LiveNmea | None:
+        """What the log is, by a line; None where it stands above sentences or samples, and nothing is decided."""
         fmt, text = self._format, line.strip()
         if is_message(text) and (fmt is None or isinstance(fmt, NmeaFormat)):
             return LiveMessages(fmt or NmeaFormat("nmea", {}), self._where, self._tell)
         if isinstance(fmt, NmeaFormat) or (fmt is None and is_sentence(text)):
             fmt = fmt if isinstance(fmt, NmeaFormat) else NmeaFormat("nmea", {})
             return LiveNmea(fmt, self._where, self._tell)
+        if fmt is None and not last and not is_sample_line(text):
+            return None
         return LiveTable(fmt, self._where, self._tell)

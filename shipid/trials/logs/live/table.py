@@ -163,13 +163,14 @@ class LiveTable:
             return len(self._head) > skip and bool(self._head[-1].strip()) and not self._is_comment(self._head[-1])
         lines = [line for line in self._head if line.strip() and not self._is_comment(line)]
         # NumPy writes the header as a comment.
-        needed = 1 if len(lines) < len([line for line in self._head if line.strip()]) and self._is_sample(lines) else 2
-        return len(lines) >= needed and self._is_sample(lines)
-
-    @staticmethod
-    def _is_sample(lines: list[str]) -> bool:
-        rows = [fields(lines[-1], separator) for separator in SEPARATORS.values()] if lines else []
-        return any(len(row) > 1 and is_sample_row(row) for row in rows)
+        needed = (
+            1
+            if len(lines) < len([line for line in self._head if line.strip()])
+            and bool(lines)
+            and is_sample_line(lines[-1])
+            else 2
+        )
+        return len(lines) >= needed and bool(lines) and is_sample_line(lines[-1])
 
     def _lay_out(self) -> TextLayout:
         """Lay out the head as that of a file."""
@@ -345,6 +346,18 @@ class LiveTable:
         self._origin = self._origin or (lat, lon)
         north, east = to_local(lat, lon, self._origin)
         return {"x": float(north), "y": float(east)}
+
+
+def is_sample_line(line: str) -> bool:
+    """Return whether a line of a table is a sample: more numbers and times than text.
+
+    Parameters
+    ----------
+    line : str
+        The line.
+    """
+    rows = (fields(line, separator) for separator in SEPARATORS.values())
+    return any(len(row) > 1 and is_sample_row(row) for row in rows)
 
 
 def _says_what_it_is(header: str) -> bool:

@@ -198,6 +198,14 @@ def test_nmea(tmp_path):
     assert any("psi is of" in words for words in told) and any("t = 0 is" in words for words in told)
 
 
+@pytest.mark.parametrize("head", ["Time,Port,Sentence\n", "Logger 3.1\nport COM1\n", ""])
+def test_sentences_in_the_columns_of_a_table(tmp_path, head):
+    rows = [f'2026-05-04T09:00:{k // 2:02d}.{k % 2 * 5}00,COM1,"$HEHDT,{10 + k / 10:.1f},T"\n' for k in range(40)]
+    text = head + "".join(rows)
+    trial, _ = same_as_the_record(text, tmp_path / "log.csv")
+    assert trial["psi"][-1] == pytest.approx(np.radians(13.9))
+
+
 def test_nmea_that_is_broken():
     lines = [
         "10:00:00 $HEHDT,10.0,T",

@@ -90,7 +90,10 @@ def split_line(line: str) -> Sentence | None:
     match = _SENTENCE.match(line, at)
     if match is None:
         return None
-    return Sentence(match[1], line[at : match.end(2)], match[3], line[:at])
+    text = line[at : match.end(2)]
+    if match[3] is None and line[:at].endswith('"'):
+        text = text.rstrip('"')  # a cell of a table in quotes
+    return Sentence(match[1], text, match[3], line[:at])
 
 
 def sentences_of(line: str) -> list[str]:
