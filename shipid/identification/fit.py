@@ -21,12 +21,11 @@ from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import (
+    ASTERN,
     MOSTLY_DISTURBED,
     NOT_DETERMINED,
-    least_unexplained,
-    mostly_disturbed,
-    not_determined,
-    nothing_explained,
+    astern_notices,
+    unexplained_notices,
 )
 from shipid.identification.fit_text import (
     band_lines,
@@ -348,11 +347,9 @@ class Fit(DrawnResult):
         found = []
         if not self.converged:
             found.append(Notice(f"the search did not converge: {self.message}", "not-converged", serious=True))
-        least = least_unexplained(self.fitted, self.identified.scale.unit_time)
-        if least is not None and nothing_explained(least):
-            withheld = any(e.withheld for e in self.parameters.values())
-            what = "the model explains nothing of how the ship turned in these trials"
-            found.append(not_determined(what, least) if withheld else mostly_disturbed(least))
+        withheld = any(e.withheld for e in self.parameters.values())
+        found += unexplained_notices(self.fitted, self.identified.scale.unit_time, withheld)
+        found += astern_notices(self.model, self.fitted)
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
@@ -379,7 +376,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING, APART)),
+                *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING, APART, ASTERN)),
                 *coefficient_lines(self.parameters),
                 *(f"  note      {w}" for w in self.warnings if w.kind == MOSTLY_DISTURBED),
                 *dead_time_lines(self.model),

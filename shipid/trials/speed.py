@@ -85,13 +85,8 @@ def check_way(columns: Columns, record: str, model: str) -> None:
     NotAheadError
         If it does, with the time.
     """
-    if "u" not in columns:
-        return
-    there = np.isfinite(columns["u"])
-    t, astern = columns["t"][there], columns["u"][there] < 0
-    runs = np.convolve(astern, np.ones(_LEAST), mode="valid") if astern.size >= _LEAST else np.zeros(0)
-    if (runs >= _LEAST - 0.5).any():
-        first = float(t[np.argmax(runs >= _LEAST - 0.5)])
+    if (first := astern_from(columns)) is not None:
+        t = columns["t"][np.isfinite(columns["u"])]
         since = f"from {first:.4g} s on" if first > t[0] else "before the manoeuvre"
         before = f" (FILE@{float(t[0]):.4g}:{first:.4g} for the part before)" if first > t[0] else ""
         raise NotAheadError(
@@ -99,6 +94,22 @@ def check_way(columns: Columns, record: str, model: str) -> None:
             f"a window in which it does{before}, or correct the sign of the speed "
             "in the format of the trial."
         )
+
+
+def astern_from(columns: Columns) -> float | None:
+    """Return the time in s from which a record shows the ship going astern, see `check_way`; None where it does not.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray, shape (N,)
+        The record, SI.
+    """
+    if "u" not in columns:
+        return None
+    there = np.isfinite(columns["u"])
+    t, astern = columns["t"][there], columns["u"][there] < 0
+    runs = np.convolve(astern, np.ones(_LEAST), mode="valid") if astern.size >= _LEAST else np.zeros(0)
+    return float(t[np.argmax(runs >= _LEAST - 0.5)]) if (runs >= _LEAST - 0.5).any() else None
 
 
 def recorded_speed(columns: Columns) -> np.ndarray | None:

@@ -152,3 +152,16 @@ def test_azimuth_thrusters_are_told_how_they_are_read(refused) -> None:
     refused(UnknownColumnError, [thrusters], "no column 'delta'", "'azimuth_port', delta in a format file", "sign = -1")
     helm = make_trial(**{"delta [deg]": None, "helm [deg]": swung})
     refused(UnknownColumnError, [helm], "there is nothing to identify. It has t, psi, r, helm.")
+
+
+def test_a_ship_that_goes_astern_is_told_to_a_model_of_one_speed_ahead():
+    """The model takes the speed as one number: nothing else of the record shows that it is no longer that ship."""
+    speed = np.where(np.arange(0, 200.0, 0.5) < 120, 5.0, -1.0)
+    fit = shipid.identify("nomoto", [make_trial(**{"u [m/s]": speed})], ship="zeefakkel", starts=1)
+    (told,) = [n for n in fit.warnings if n.kind == "goes-astern"]
+    assert told.serious and str(told).startswith(
+        "made: the ship goes astern from 120 s on, and nomoto knows one speed ahead"
+    )
+    assert str(told) in fit.text()
+    ahead = shipid.identify("nomoto", [make_trial(**{"u [m/s]": np.abs(speed)})], ship="zeefakkel", starts=1)
+    assert "goes-astern" not in {n.kind for n in ahead.warnings}

@@ -96,3 +96,12 @@ def test_what_is_added_to_inputs_is_on_the_page(run):
     assert "Added to inputs" in page and re.search(
         r"<code>delta</code></th><td[^>]*>0\.57\d*</td><td[^>]*>deg</td>", page
     )
+
+
+def test_an_axis_of_whole_numbers_has_no_half_of_one():
+    t = np.arange(30.0)
+    panel = Panel("Waypoint that is sailed to", "", (Curve("simulated", t, np.repeat([2.0, 3.0, 4.0], 10)),))
+    figure = histories_drawing([panel], "Route").figure()
+    figure.canvas.draw()
+    ticks = figure.axes[0].get_yticks()
+    assert len(ticks) >= 3 and np.array_equal(ticks, np.round(ticks))

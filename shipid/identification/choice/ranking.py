@@ -129,7 +129,12 @@ class Ranking(DrawnResult):
         if all(r.score is None for r in self.ranks):
             found.append(
                 Notice(
-                    "Not determined: no candidate could be fitted to these trials. The reason stands beside each.",
+                    " ".join(
+                        (
+                            "Not determined: no candidate could be fitted to these trials. The reason stands beside each.",
+                            *self.lacking,
+                        )
+                    ),
                     NOT_DETERMINED,
                     serious=True,
                 )

@@ -6,14 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from shipid.declaration.model import Model
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import percent
 from shipid.identification.validation.comparison import Comparison
+from shipid.trials.speed import astern_from
 
 #: Error of a motion, in shares of its standard deviation, from which a prediction explains nothing: more than 60 % of the power is left.
 NOTHING_EXPLAINED = 0.8
 #: Kinds of the notices.
-NOT_DETERMINED, MOSTLY_DISTURBED = "not-determined", "mostly-disturbances"
+NOT_DETERMINED, MOSTLY_DISTURBED, ASTERN = "not-determined", "mostly-disturbances", "goes-astern"
 #: Motions that are looked at. A heading without a pattern is explained by a rudder bias, which makes a straight line of it.
 _MOTIONS = ("r", "u", "v")
 
@@ -64,6 +66,25 @@ def not_determined(who: str, least: float) -> Notice:
     )
 
 
+def unexplained_notices(fitted: Sequence[Comparison], unit_time: float, withheld: bool) -> list[Notice]:
+    """Return what has to be said where a run with the recorded rudder explains nothing; empty where it does.
+
+    Parameters
+    ----------
+    fitted : sequence of Comparison
+        The fitted trials.
+    unit_time : float
+        L/U in s.
+    withheld : bool
+        Whether the coefficients are withheld for it.
+    """
+    least = least_unexplained(fitted, unit_time)
+    if least is None or not nothing_explained(least):
+        return []
+    what = "the model explains nothing of how the ship turned in these trials"
+    return [not_determined(what, least) if withheld else mostly_disturbed(least)]
+
+
 def mostly_disturbed(least: float) -> Notice:
     """Return the notice that disturbances moved the ship more than her rudder did.
 
@@ -77,6 +98,34 @@ def mostly_disturbed(least: float) -> Notice:
         "of turn. The coefficients are as sure as their intervals say, and a zig-zag would make them surer.",
         MOSTLY_DISTURBED,
     )
+
+
+def astern_notices(model: Model, comparisons: Sequence[Comparison]) -> list[Notice]:
+    """Return what has to be said of trials in which the ship goes astern, for a model that knows one speed ahead.
+
+    Parameters
+    ----------
+    model : Model
+        The model; one that states the forward speed itself may know better.
+    comparisons : sequence of Comparison
+        The trials.
+    """
+    if "u" in model.states:
+        return []
+    first = {
+        c.trial.name: astern_from({n: c.trial[n] for n in ("t", "u") if n == "t" or c.trial.has(n)})
+        for c in comparisons
+    }
+    return [
+        Notice(
+            f"{name}: the ship goes astern from {t:.4g} s on, and {model.name} knows one speed ahead: use the part before, FILE@0:{t:.4g}.",
+            ASTERN,
+            serious=True,
+            trial=name,
+        )
+        for name, t in first.items()
+        if t is not None
+    ]
 
 
 def _shares(c: Comparison, unit_time: float) -> list[float]:

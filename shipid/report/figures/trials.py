@@ -145,11 +145,18 @@ def histories_drawing(panels: Sequence[Panel], title: str, most: int = MOST_POIN
             ax.set_title(panel_title(panel.label, panel.unit, power), loc="left", fontsize=9, pad=3)
             ax.set_ylim(low / 10.0**power, high / 10.0**power)
             ax.margins(x=0.01)
-            ax.locator_params(axis="y", nbins=5)
+            # There is no waypoint 2.5.
+            ax.locator_params(axis="y", nbins=5, integer=power == 0 and all(_counts(c.y) for c in panel.curves))
         axes[-1].set_xlabel("time [s]")
         legend(figure, axes)
 
     return Drawing(draw, (WIDTH, 0.75 + _PANEL * len(panels)), title)
+
+
+def _counts(y: np.ndarray) -> bool:
+    """Whether all values of a curve are whole numbers."""
+    there = y[np.isfinite(y)]
+    return bool(np.array_equal(there, np.round(there)))
 
 
 def _range(panel: Panel) -> tuple[float, float]:

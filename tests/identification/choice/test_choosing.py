@@ -101,6 +101,7 @@ def test_where_no_candidate_could_be_fitted_nothing_is_taken_and_it_is_serious()
     assert ranking.best is None and ranking.words == ()
     (said,) = ranking.warnings
     assert said.serious and said.kind == "not-determined" and "no candidate could be fitted" in said
+    assert said.endswith("A second trial is missing.")
 
 
 def test_weights_are_shares_of_one_and_favour_what_predicts():
