@@ -22,6 +22,8 @@ _MARKS = np.array(
 )  # fmt: skip
 #: Marks that nobody measures by chance, whatever the size of the other samples.
 _UNMISTAKABLE = -998.0
+#: The code for no heading in turns.
+_NO_HEADING = 511 / 360
 
 
 def marks_of_missing(values: np.ndarray, full_circle: float | None = None) -> np.ndarray:
@@ -70,6 +72,8 @@ def marks_of_missing(values: np.ndarray, full_circle: float | None = None) -> np
         within = float(plain.min()) >= -0.5 * full_circle - slack and float(plain.max()) <= full_circle + slack
         lowest = -slack if float(plain.min()) >= -slack else -0.5 * full_circle - slack
         beyond |= within & ((printed[at] > full_circle + slack) | (printed[at] < lowest))
+        # The code of AIS is none of a heading that is counted on beyond a full circle and was near before and behind it.
+        beyond |= np.isclose(printed[at], _NO_HEADING * full_circle)
     far = away & (beyond | (printed[at] < _UNMISTAKABLE))
     result[there[at[far]]] = True
     return result

@@ -67,3 +67,10 @@ def test_a_heading_within_a_circle_is_never_negative():
     values[[20, 90]] = -99
     assert marked(values, [20, 90], FULL)
     assert marked(SWING * 4, [], FULL)
+
+
+def test_no_heading_of_ais_in_one_that_is_counted_on():
+    heading = np.linspace(340.0, 560.0, 440)
+    assert not marks_of_missing(heading, 360.0).any()
+    heading[[60, 61, 62, 200]] = 511.0
+    np.testing.assert_array_equal(np.flatnonzero(marks_of_missing(heading, 360.0)), [60, 61, 62, 200])

@@ -23,6 +23,7 @@ from shipid.trials.trial import Trial
 MOVED = np.radians(3.0)
 """In the reading "moved" the rudder of a turn counts as moved when it is this far from midships: that of the published circle."""
 
+_DISTANCES = ("advance", "transfer", "tactical_diameter")
 _QUARTERS = (pi / 2, pi, 1.5 * pi, 2 * pi)
 _BRIDGED = 0.05
 """Holes up to this share of the turn's first 90 deg are bridged."""
@@ -30,6 +31,8 @@ _LEFT_THERE = np.radians(1.0)
 """In a pull-out the rudder stays within this, or a twentieth of its plate if that is more, of where it was put."""
 _STEADY = 0.05
 """A ship that turns at the execute by more than this share of the steady rate was on no steady course."""
+_NO_COURSE = 0.3
+"""One that turns by more than this share of it was on no course at all."""
 
 _DRIVES = 0.5
 """Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
@@ -144,6 +147,13 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             values, unknown, said = still_water(way, found, quarters, drifting, float(turned[running].max()), why)
             found, reasons, notes = found | values, reasons | unknown, [*notes, *said]
     found |= _steady(trial, psi, turned, quarters, running, moving, calm)
+    swerved, no_course = _approach(psi, when, calm, found.get("steady_rate") or float(smooth[-1]) / (off - when))
+    if no_course:
+        for name in ("course", *_DISTANCES, *(f"{name}_still_water" for name in _DISTANCES)):
+            if found.pop(name, None) is not None or name in {"course", *reasons}:
+                reasons[name] = no_course
+        beside = {}
+        notes = []
     approach = None if moving is None else series.value_at(moving.t, moving.y, when, calm, 1)
     if moving is not None and (hole := moving.hole(when)) is not None:
         approach, reasons["approach_speed"] = None, faults.hole(moving.name, hole)
@@ -154,10 +164,9 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     if steady_speed is not None and rate:
         found["steady_diameter"] = 2 * steady_speed / rate
     if length is not None:
-        three = ("advance", "transfer", "tactical_diameter")
-        names = (*three, "steady_diameter", *(f"{n}_still_water" for n in three))
+        names = (*_DISTANCES, "steady_diameter", *(f"{n}_still_water" for n in _DISTANCES))
         found |= {f"{n}_ratio": value / length for n in names if (value := found.get(n)) is not None}
-    notes += [*_approach(psi, when, calm, rate), *over_ground, *turn_notes(late, beside, steering, approach or 0.0)]
+    notes += [*swerved, *over_ground, *turn_notes(late, beside, steering, approach or 0.0)]
     measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
     return TurningCircle(
         trial=trial.name,
@@ -175,7 +184,10 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         speeds=tuple(_speed_at(moving, q, calm) for q in quarters),
         pull_out_rate=_pull_out(steering, psi, plate, off),
         reasons=reasons | ({} if start[0].hole is None else {"first_execute": faults.hole("delta", start[0].hole)}),
-        notes=(*notes, *not_told(faults.notes(("psi", steering.channel.name, *measured_on)), late, steering.channel.name)),
+        notes=(
+            *notes,
+            *not_told(faults.notes(("psi", steering.channel.name, *measured_on)), late, steering.channel.name),
+        ),
         **found,
     )
 
@@ -195,19 +207,19 @@ def _speed_at(moving: Channel | None, when: float | None, calm: float) -> float 
     return series.value_at(moving.t, moving.y, when, calm, 1)
 
 
-def _approach(psi: Channel, when: float, calm: float, rate: float | None) -> list[str]:
-    """Say so where the ship was on no steady course before the order."""
+def _approach(psi: Channel, when: float, calm: float, rate: float | None) -> tuple[list[str], str]:
+    """Say so where the ship was on no steady course before the order, and why no course is known where it turned fast."""
     before = (psi.t >= when - 4 * calm) & (psi.t <= when)
     if before.sum() < 5 or not rate:
-        return []
+        return [], ""
     slope, _ = np.polyfit(psi.t[before] - when, psi.y[before], 1)
     scatter = float(np.std(psi.y[before])) / (4 * calm)
     if abs(slope) < max(_STEADY * rate, 3 * scatter):
-        return []
-    return [
-        f"the ship turned at {angle(float(slope), 3)}/s at the execute: distances are along and across its heading "
-        "there, not a steady course"
-    ]
+        return [], ""
+    words = f"the ship turned at {angle(float(slope), 3)}/s at the execute"
+    if abs(slope) > _NO_COURSE * rate:
+        return [], f"{words}: it was on no course, and distances along and across one say nothing"
+    return [f"{words}: distances are along and across its heading there, not a steady course"], ""
 
 
 def _released(steering: Steering, plate: Plate) -> float:

@@ -84,7 +84,11 @@ def lag_behind_order(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> 
         )
         lags.append(one - 0.15 / 0.35 * (other - one) - 0.5 * float(t[k] + t[k + 1]))
     # A turn has one order, and another to put the rudder amidships.
-    if len(lags) < min(2, len(steps)) or not lags or float(np.ptp(lags)) > max(0.5 * abs(float(np.median(lags))), 2 * float(np.median(np.diff(t)))):
+    if (
+        len(lags) < min(2, len(steps))
+        or not lags
+        or float(np.ptp(lags)) > max(0.5 * abs(float(np.median(lags))), 2 * float(np.median(np.diff(t))))
+    ):
         return None
     return float(np.median(lags))
 

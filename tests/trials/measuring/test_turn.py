@@ -216,3 +216,18 @@ def test_an_order_stamped_early_gives_both_advances(early):
     assert "order-early" in check_trial(trial).kinds
     alone = measure(Trial.from_frame(frame.drop(columns="delta [deg]")))
     assert any("stamps that are early would not show" in note for note in alone.notes)
+
+
+def test_a_turn_out_of_a_turn_has_no_course():
+    """The second half of a Williamson turn: the ship turns to the other side as fast when the rudder is put over."""
+    frame = circle(turns=0.8).to_frame()
+    t = frame["t [s]"].to_numpy()
+    before = t < 50
+    frame["psi [rad]"] = frame.pop("psi [deg]") * np.pi / 180 - np.where(before, np.radians(1.0) * (t - 50), 0.0)
+    found = measure(Trial.from_frame(frame), "turning circle", length="100 m")
+    assert found.advance is None and found.advance_ratio is None and found.course is None
+    assert (
+        "it was on no course" in found.reasons["advance"]
+        and found.reasons["advance_still_water"] == found.reasons["advance"]
+    )
+    assert found.times[0] is not None

@@ -119,11 +119,15 @@ def turn_setting_out(steering: Steering, side: int, order: float) -> SettingOut 
         return None
     lag = min(after) - order
     return SettingOut(
-        (min(after),), lag - slack > GEAR, f"the rudder sets out {lag:.3g} s after the order: {_either(lag - slack > GEAR)}"
+        (min(after),),
+        lag - slack > GEAR,
+        f"the rudder sets out {lag:.3g} s after the order: {_either(lag - slack > GEAR)}",
     )
 
 
-def turn_notes(late: SettingOut | None, beside: Mapping[str, float | None], steering: Steering, speed: float) -> list[Notice]:
+def turn_notes(
+    late: SettingOut | None, beside: Mapping[str, float | None], steering: Steering, speed: float
+) -> list[Notice]:
     """Return what to say of a turn whose rudder sets out after its order, or is not logged.
 
     Parameters

@@ -50,7 +50,9 @@ def _unit(p: WorkingCopy, name: str) -> None:
     largest = float(np.quantile(np.abs(delta), 0.99))
     peak = float(np.abs(delta).max())
     factor, real = 1.0, ""
-    if peak > np.radians(90) and largest > np.radians(60):
+    # A few marks of missing samples are no unit.
+    usual = float(np.quantile(np.abs(delta), 0.9))
+    if peak > np.radians(90) and usual > np.radians(60):
         factor, real = np.pi / 180, "degrees"
     elif (
         np.radians(0.05) < largest < np.radians(0.9)
