@@ -14,7 +14,6 @@ from shipid.trials.logs.nmea.messages.canboat import is_message
 from shipid.trials.logs.nmea.sentences.collecting import is_sentence
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 
-
 #: Lines that may stand above the first sentence.
 _HEAD = 20
 

@@ -82,7 +82,7 @@ def _headers_again(raw: RawTable) -> np.ndarray:
             same += texts.isin(list(words)).to_numpy()
             there &= (texts != "").to_numpy(dtype=bool, na_value=True)
         filled += there
-    return (same == filled) & (same >= min(2, len(raw.columns)))
+    return np.asarray((same == filled) & (same >= min(2, len(raw.columns))))
 
 
 def _clock_of(raw: RawTable) -> int:
