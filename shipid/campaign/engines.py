@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
+import socket
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -11,6 +14,7 @@ from dataclasses import dataclass
 from multiprocessing.reduction import ForkingPickler
 from time import monotonic
 from typing import ParamSpec, TypeVar
+from urllib.parse import urlsplit
 
 from shipid.campaign.campaign import Engine
 from shipid.campaign.errors import CampaignRequestError
@@ -27,7 +31,9 @@ _AHEAD = 3
 #: Seconds a worker that is told to stop is given.
 _GRACE = 1.0
 #: Seconds a scheduler is given to answer.
-_PATIENCE = "10s"
+_PATIENCE = 10.0
+#: A message of dask begins with the number of its frames, in eight bytes; the first one has no more than so many.
+_FRAMES = 1000
 
 
 @dataclass(frozen=True)
@@ -77,7 +83,7 @@ def local_engine(engine: Engine, workers: int | None, batches: int) -> Iterator[
         words = f"{count} thread{'s' * (count > 1)}"
     else:
         # Fresh processes: a fork would copy the locks of threads that run.
-        executor = _Processes(count, multiprocessing.get_context("spawn"), _only_told_to_stop)
+        executor = _Processes(count, multiprocessing.get_context("spawn"), _begin_worker)
         words = f"{count} processes"
     try:
         yield Running(executor, _AHEAD * count, words)
@@ -121,9 +127,18 @@ class _Processes(ProcessPoolExecutor):
             return super().submit(fn, *args, **kwargs)
 
 
-def _only_told_to_stop() -> None:
-    """Ctrl-C in a terminal reaches every process of a command; the workers are stopped by the one that started them."""
+def _begin_worker() -> None:
+    """A worker is stopped by the process that started it, and ends with it: one that was killed tells nobody."""
+    # Ctrl-C in a terminal reaches every process of a command.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, name="parent", daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 @contextmanager
@@ -153,13 +168,36 @@ def cluster_engine(address: str) -> Iterator[Running]:
             "a campaign on a cluster", "distributed", "cluster", "Without --scheduler it runs on this machine."
         ) from None
     try:
-        connect: DaskClient = Client
-        client = connect(address, timeout=_PATIENCE, set_as_default=False)
+        _check_scheduler(address)
+        connect: DaskClient = type("_Client", (Client,), {"__del__": _end_client})
+        client = connect(address, timeout=f"{_PATIENCE:g}s", set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
         raise CampaignRequestError(f"no scheduler answers at '{address}': {reason}. Check the address.") from None
     with client, running_on(client) as running:
         yield running
+
+
+def _check_scheduler(address: str) -> None:
+    """Check that what answers speaks first, as a scheduler does: a client waits for ever for a web server to do so."""
+    parts = urlsplit(address if "://" in address else f"tcp://{address}")
+    if parts.scheme != "tcp" or parts.hostname is None or parts.port is None:
+        return  # the client says what is wrong with it
+    with socket.create_connection((parts.hostname, parts.port), _PATIENCE) as link:
+        try:
+            said = link.recv(8, socket.MSG_WAITALL)
+        except TimeoutError:
+            said = b""
+    if len(said) < 8 or int.from_bytes(said, "little") > _FRAMES:
+        raise CampaignRequestError(
+            f"what answers at '{address}' is no scheduler. Check the port: that of a scheduler's web page is another."
+        )
+
+
+def _end_client(client: DaskClient) -> None:
+    """Close a client that nobody closed; one that was never connected would wait for its scheduler, and complain."""
+    if client.status == "running":
+        client.close()
 
 
 @contextmanager

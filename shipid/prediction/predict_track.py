@@ -14,6 +14,7 @@ from shipid.prediction.prediction import Prediction
 from shipid.prediction.routes.route_turn import RouteTurn
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.not_reached import not_reached
 from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, Predicting, TrackPredictor, wind_parts
 from shipid.prediction.tracks.track_run import cruise_of
@@ -147,6 +148,7 @@ def prediction_of(
                 ship_lengths=float(track.s_star[-1]),
             )
         )
+    told += not_reached(pilot, track)
     run = {n: getattr(track, n) for n in COLUMNS}
     told += beyond_in_run(pilot.model, pilot.ship, cruise_of(known), run, grown=track.grown)
     if track.covariance is None and band != "none":

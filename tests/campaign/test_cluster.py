@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
+import threading
+from contextlib import suppress
 
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from shipid.campaign import engines
 from shipid.campaign.engines import running_on
 from shipid.campaign.errors import CampaignRequestError
 from shipid.campaign.find_campaign import find_campaign
@@ -87,6 +91,26 @@ def test_a_worker_that_is_killed_costs_no_run(cluster, studies, tmp_path):
 def test_a_cluster_that_is_not_there_is_told(studies):
     with pytest.raises(CampaignRequestError, match=r"no scheduler answers at 'nonsense://1'"):
         run_campaign(studies.darts, 10, scheduler="nonsense://1")
+
+
+def test_what_is_no_scheduler_is_told_at_once(studies, monkeypatch):
+    """A web server waits to be asked, and another service says what is no message: a client of dask would wait for ever."""
+    monkeypatch.setattr(engines, "_PATIENCE", 0.2)
+
+    def answer(server, greeting):
+        link, _ = server.accept()
+        link.send(greeting)
+        with suppress(ConnectionResetError):
+            link.recv(1)
+        link.close()
+
+    for greeting in (b"", b"SSH-2.0-OpenSSH\r\n"):
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            answering = threading.Thread(target=answer, args=(server, greeting))
+            answering.start()
+            with pytest.raises(CampaignRequestError, match="is no scheduler"):
+                run_campaign(studies.darts, 10, scheduler=f"tcp://127.0.0.1:{server.getsockname()[1]}")
+            answering.join(10)
 
 
 def test_a_cluster_without_workers_is_told(studies):

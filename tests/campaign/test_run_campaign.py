@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
+import sys
+import threading
 import tracemalloc
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -265,3 +269,27 @@ def test_a_declaration_that_is_none_is_refused(studies):
 def test_runs_that_return_something_else_are_refused(run, words):
     with pytest.raises(CampaignDeclarationError, match=words):
         run_campaign(Campaign("odd", run, {"x": Measure()}), 10)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
+def test_workers_end_with_a_process_that_was_killed():
+    """Nobody tells them: they watch it."""
+    script = (
+        "import os, signal\n"
+        "from shipid.campaign.engines import local_engine\n"
+        "if __name__ == '__main__':\n"
+        "    with local_engine('processes', 2, 2) as running:\n"
+        "        print(running.executor.submit(os.getpid).result(), flush=True)\n"
+        "        os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    started = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    worker = int(started.stdout.readline())
+    # The worker holds its output open: it ends when she does.
+    ended = threading.Thread(target=started.stdout.read)
+    ended.start()
+    ended.join(20)
+    gone = not ended.is_alive()
+    if not gone:
+        os.kill(worker, signal.SIGKILL)
+    started.wait()
+    assert gone

@@ -24,6 +24,7 @@ from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_ov
 from shipid.prediction.situations.past import Past, told_of
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import PastErrors, Situation
+from shipid.prediction.tracks.not_reached import not_reached
 from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, TrackPredictor
 from shipid.prediction.tracks.track_run import cruise_of
@@ -244,7 +245,10 @@ class Forecaster:
         if not all(np.isfinite(getattr(track, n)).all() for n in ("x", "y", "psi", "s", "t")):
             return ShownTrack(None, f"the model runs away under {track.order}: take a smaller rudder angle.")
         pilot, run = self.predictor.pilot, {n: getattr(track, n) for n in COLUMNS}
-        said = beyond_in_run(pilot.model, pilot.ship, cruise_of(question.situation), run, known=True, grown=track.grown)
+        said = not_reached(pilot, track)
+        said += beyond_in_run(
+            pilot.model, pilot.ship, cruise_of(question.situation), run, known=True, grown=track.grown
+        )
         if self._errors is not None:
             said += told_of(self._errors)
         return ShownTrack(track, " ".join([track.ended, *said]).strip())

@@ -172,9 +172,9 @@ class _Reader:
         if self.points:
             self._check_position()
         self.ids.append(attributes.get("id", ""))
-        radius = self._size(attributes, "radius", self.default.radius)
-        name = attributes.get("name", "").strip()[:200]
-        self.points.append(replace(self.default, name=name, radius=radius))
+        # First the waypoint, then its radius: what is wrong with that names this waypoint.
+        self.points.append(replace(self.default, name=attributes.get("name", "").strip()[:200]))
+        self.points[-1] = replace(self.points[-1], radius=self._size(attributes, "radius", self.default.radius))
 
     def _check_position(self) -> None:
         if math.isnan(self.points[-1].position[0]):

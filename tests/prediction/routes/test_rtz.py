@@ -124,7 +124,7 @@ BOMB = (
         (rtz(point() + point("1e999")), WaypointError, "no pair of numbers|no place"),
         (rtz(point() + '<waypoint id="2" name="B"/>'), WaypointError, "waypoint 2 'B' has no position"),
         (rtz(point() + '<waypoint id="2"><position lat="1"/></waypoint>'), WaypointError, "lon is missing"),
-        (rtz(point() + point("54", more=' radius="-1"')), WaypointError, "not negative"),
+        (rtz(point() + point("54", more=' radius="-1"')), WaypointError, "waypoint 2: radius .* not negative"),
         (rtz(point() + point("54", more=' radius="1e5"')), WaypointError, "It lies between 0 and 185200 m"),
         (rtz(point() + point("54", inside='<leg geometryType="Spiral"/>')), WaypointError, "'spiral' is no geometry"),
         (rtz('<defaultWaypoint radius="x"/>' + point()), WaypointError, "default waypoint: radius"),
