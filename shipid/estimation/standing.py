@@ -60,8 +60,8 @@ def standing_of(
         )
     if std < UNDETERMINED * abs(value):
         return DETERMINED, ""
-    if low < 0 and std <= UNDETERMINED * size:
-        first, last = interval_95(value, std)
+    first, last = interval_95(value, std)
+    if low < 0 and std <= UNDETERMINED * size and first <= 0 <= last:
         return NEAR_ZERO, f"its 95 % interval, {first:.2g} to {last:.2g}, holds zero."
     times = std / abs(value) if value else inf
     if times < 1:

@@ -13,7 +13,7 @@ import numpy as np
 from shipid.declaration.delays import refuse_delay
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Expression
-from shipid.foundation.errors import ShipidError, UnknownNameError
+from shipid.foundation.errors import ShipidError, UnknownNameError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.result import Result
 from shipid.generation.system import System, generate
@@ -119,11 +119,18 @@ def linearise(
 
     Raises
     ------
+    UsageError
+        If the condition is no mapping.
     DeclarationError
         If a value is missing, or a state is sampled.
     UnknownNameError
         If the model has no such state, input or output.
     """
+    if not isinstance(condition, Mapping):
+        kind = type(condition).__name__
+        raise UsageError(
+            f"linearise takes numbers by name, such as {{'u': 9.5, 'K': 0.05}}, and no {kind}; fit.to_control() takes a ship."
+        )
     if not delayed:
         refuse_delay(model, "A linear system without one")
     system = generate(model)

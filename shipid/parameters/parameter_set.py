@@ -87,7 +87,8 @@ class Value(ResultEntry):
             raise ParameterSetError(f"{what} depends on the speed: say at which, as in --speed '5 m/s'.")
         if not speeds[0] <= speed <= speeds[-1]:
             raise ParameterSetError(
-                f"{what} is known from {speeds[0]:g} to {speeds[-1]:g} m/s, and {speed:.4g} m/s is outside."
+                f"{what} is known from {speeds[0]:g} to {speeds[-1]:g} m/s, and {speed:.4g} m/s is outside. Ask for a speed inside, or take "
+                "another ship, or none where the coefficients are to be identified."
             )
         return to_si((float(np.interp(speed, speeds, self.value)), self.unit), wanted, what)
 

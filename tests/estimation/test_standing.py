@@ -41,3 +41,11 @@ def test_what_is_determined_has_a_sign(value, std):
 
 def test_no_share_of_a_value_near_zero_is_printed():
     assert "more than a hundred times its value" in standing_of(1e-9, 2.0, size=1.0)[1]
+
+
+def test_an_interval_that_leaves_zero_out_is_not_said_to_hold_it():
+    """A standard deviation between 50 and 51 % of the value."""
+    standing, why = standing_of(-0.33, 0.167, low=-1.0, size=0.4)
+    assert (
+        standing == "not determined" and why == "its standard deviation is 51 % of its value, and has to be below 50 %."
+    )

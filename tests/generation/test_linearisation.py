@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shipid import Component, augment, constant, find_model, find_ship, given, join, linearise, state
-from shipid.foundation.errors import DeclarationError, UnknownNameError
+from shipid.foundation.errors import DeclarationError, UnknownNameError, UsageError
 from shipid.generation.linearisation import NoSteadyStateError, find_steady_state
 from shipid.generation.system import generate
 from shipid.models import PlanarMotion
@@ -178,3 +178,10 @@ def test_a_helmsman_cannot_be_linearised() -> None:
     whole = join("helmed", find_model("nomoto"), SteeringMachine, ZigzagHelm)
     with pytest.raises(DeclarationError, match="helm_clock, helm_side is sampled"):
         linearise(whole, {})
+
+
+def test_a_ship_is_no_condition():
+    with pytest.raises(
+        UsageError, match=r"numbers by name, such as .* and no ParameterSet; fit\.to_control\(\) takes a ship"
+    ):
+        linearise(find_model("nomoto"), find_ship("zeefakkel"))

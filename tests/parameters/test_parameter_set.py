@@ -127,7 +127,9 @@ def test_a_table_asks_for_a_speed_inside_it(tmp_path: Path) -> None:
     ship, model = read_parameter_set(written(tmp_path, SHIP)), find_model("norrbin")
     with pytest.raises(ParameterSetError, match=r"'K' in ship boat depends on the speed: say at which"):
         ship.values(model)
-    with pytest.raises(ParameterSetError, match=r"known from 2\.05\d+ to 4\.11\d+ m/s, and 5 m/s is outside"):
+    with pytest.raises(
+        ParameterSetError, match=r"known from 2\.05\d+ to 4\.11\d+ m/s, and 5 m/s is outside. Ask for a speed inside"
+    ):
         ship.values(model, speed=5.0)
 
 

@@ -27,7 +27,7 @@ from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
 from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.tracks.order import unwrapped
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, wind_parts
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, parts_in_wind
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source
@@ -123,7 +123,7 @@ def sail(
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a voyage of {end:g} s.")
     parts: list[type[Component]] = [TurnOrder] if pilot.mode == "rate" else []
     parts += manoeuvring_range(truth)
-    parts += wind_parts(truth, wind)
+    parts += parts_in_wind(truth, wind)
     parts += [Waves] if waves is not None else []
     whole = closed_loop(pilot, *parts)
     finest = min(stiffest(pilot, whole, np.array([u0])), PACE * unit_time)

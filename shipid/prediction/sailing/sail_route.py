@@ -34,7 +34,7 @@ from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.sailing.voyage import LimitLeft, Voyage, WheelOverDone
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, wind_parts
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, parts_in_wind
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source, origin_words
@@ -132,9 +132,9 @@ def sail_route(
     u0 = _speed(pilot, route, speed, told)
     plan = plan_of(route, radius=_radius(pilot, route, radius, told))
     flows = flow_inputs(current, wind)
-    windy = wind_parts(truth, wind)
+    windy = parts_in_wind(truth, wind)
     helm = TrackPilot(
-        TrackPredictor(pilot, parts=wind_parts(pilot.model, wind)),
+        TrackPredictor(pilot, parts=parts_in_wind(pilot.model, wind)),
         plan,
         rudder_limit=None if rudder_limit is None else number(rudder_limit, "rad", "the rudder limit"),
     )

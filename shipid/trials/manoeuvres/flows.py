@@ -103,7 +103,7 @@ def check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
             raise UsageError(f"model {model.name} reads no '{quantity}', so a {flow} does not act on it: leave it out.")
 
 
-def wind_parts(model: Model, wind: Flow | None) -> tuple[type[Component], ...]:
+def parts_in_wind(model: Model, wind: Flow | None) -> tuple[type[Component], ...]:
     """Return the components through which a wind acts on a model; none where the model reads the wind itself.
 
     Parameters

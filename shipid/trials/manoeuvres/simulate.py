@@ -26,7 +26,7 @@ from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
 from shipid.parts.sensors import shown_by
 from shipid.parts.waves import Waves
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, said_of, wind_parts
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, parts_in_wind, said_of
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, froude_share, wave_noise
@@ -252,7 +252,7 @@ def _with_steering(model: Model, helm: type[Component], steering: bool, wind: Fl
     if "delta" not in model.inputs:
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
     rudder = steering_machine_of(model) if steering else DirectRudder
-    extra = (*wind_parts(model, wind), *((Waves,) if waves else ()))
+    extra = (*parts_in_wind(model, wind), *((Waves,) if waves else ()))
     return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
 
 
