@@ -255,3 +255,28 @@ def confidence_of(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
     """
     share = (ratio - low) / (high - low)
     return float(0.5 + 0.49 * min(max(share, -0.5), 1.0))
+
+
+#: Values that scatter repeat at this share of the samples at most, and go back at that share of them at least.
+_REPEATS, _BACK_AND_FORTH = 0.05, 0.25
+#: Values that stand do so for less than this share of the record.
+_STANDING = 0.3
+
+
+def never_repeats(values: np.ndarray, stands: np.ndarray) -> bool:
+    """Return whether values scatter and seldom repeat, but for where they stand: there the sensor does.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The channel.
+    stands : ndarray of int, shape (k, 2)
+        First and last sample of each stretch at one value.
+    """
+    standing = np.zeros(len(values) - 1, dtype=bool)
+    for a, b in stands:
+        standing[a:b] = True
+    step = np.diff(values)[~standing]
+    # Ramps do not repeat either, and do not come back.
+    back = float(np.mean(step[1:] * step[:-1] < 0)) if step.size > 2 else 0.0
+    return float(np.mean(standing)) < _STANDING and back > _BACK_AND_FORTH and float(np.mean(step == 0)) < _REPEATS

@@ -8,6 +8,11 @@ from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
 from shipid.trials.doctor.working_copy import WorkingCopy
 
+_MOST = 20
+"""Stretches that are looked at: the longest."""
+_SCATTERS = 3.0
+"""A heading that stands where it else scatters counts as one that should have moved so many times what passes unnoticed."""
+
 
 def examine_frozen(p: WorkingCopy) -> None:
     """Find channels that stay at one value while the ship says they move.
@@ -47,18 +52,23 @@ def _frozen(p: WorkingCopy, names: tuple[str, ...]) -> None:
         long = np.flatnonzero(lengths >= max(8, 5 * usual, 0.015 * len(index)))
         if not len(long):
             continue
-        longest = long[np.argsort(lengths[long])[::-1][:5]]
+        longest = long[np.argsort(lengths[long])[::-1][:_MOST]]
         rated = [(_missed(p, name, int(index[held[k, 0]]), int(index[held[k, 1]])), int(k)) for k in longest]
+        if name == "psi" and not p.found("written-on-change") and robust.never_repeats(p[name][index], held[long]):
+            # A heading that scatters, and stands at its extremes: a sensor at the end of its range, or one that is held.
+            rated = [(max(missed, _SCATTERS), k) for missed, k in rated]
         missed, k = max(rated)
         a, b = int(index[held[k, 0]]), int(index[held[k, 1]])
         if missed > 1:
+            found = [k for share, k in rated if share > 1]
+            often = "" if len(found) == 1 else f" {len(found)} times, here"
             p.add(
                 "frozen", name, robust.confidence_of(missed, 1, 3),
-                f"{name} stands at one value for {held[k, 1] - held[k, 0] + 1} samples ({t[b] - t[a]:.4g} s) while the ship moves",
+                f"{name} stands at one value{often} for {held[k, 1] - held[k, 0] + 1} samples ({t[b] - t[a]:.4g} s) while the ship moves",
                 "The model is fitted to a standstill that did not happen: the gain comes out too small and the time "
                 "constant too long.",
                 "The motion meanwhile is unknown: identify from the stretches on either side.",
-                at=np.arange(a, b + 1),
+                at=np.concatenate([np.arange(int(index[held[j, 0]]), int(index[held[j, 1]]) + 1) for j in found]),
             )  # fmt: skip
 
 

@@ -17,10 +17,6 @@ _LONG, _BRIEF = 8, 5
 _FEWEST = 8
 #: The ship turns to the other side than the rudder that stands, by this share of her usual rate, and was turning to its side before by that.
 _BACK, _BEFORE = 0.25, 0.5
-#: A rudder that seldom repeats a value, this share of its samples at most, stands where it repeats one for long.
-_REPEATS = 0.05
-#: It stands for less than this share of the record, and goes back at this share of its other samples.
-_MOST, _BACK_AND_FORTH = 0.3, 0.25
 #: The rudder that stands lies over by this share of its range.
 _OVER = 0.25
 
@@ -47,7 +43,7 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
     stands = stands[(lasts >= _LONG) | ((lasts >= _BRIEF) & leaps[stands[:, 1]])]
     if not len(stands):
         return
-    rattles = _rattles(values, stands)
+    rattles = robust.never_repeats(values, stands)
     found = [
         (_since(t, values, a, b, rate) if leaps[b] and not rattles else a, b)
         for a, b in stands
@@ -69,17 +65,6 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
         "What the rudder did meanwhile is unknown: use the stretches on either side (FILE@A:B), or the order if it is logged.",
         at=np.concatenate([index[a : b + 1] for a, b in found]),
     )  # fmt: skip
-
-
-def _rattles(values: np.ndarray, stands: np.ndarray) -> bool:
-    """Whether the values scatter and seldom repeat, but for where they stand."""
-    standing = np.zeros(len(values) - 1, dtype=bool)
-    for a, b in stands:
-        standing[a:b] = True
-    step = np.diff(values)[~standing]
-    # Ramps do not repeat either, and do not come back.
-    back = float(np.mean(step[1:] * step[:-1] < 0)) if step.size > 2 else 0.0
-    return float(np.mean(standing)) < _MOST and back > _BACK_AND_FORTH and float(np.mean(step == 0)) < _REPEATS
 
 
 def _since(t: np.ndarray, values: np.ndarray, a: int, b: int, rate: float) -> int:
