@@ -273,3 +273,13 @@ def test_no_peak_is_taken_past_the_last_sample_of_the_rudder(logged, end, known)
     assert found.overshoots[known:] == (None,) * (2 - known)
     assert ("overshoots[2]" in found.reasons) == (known == 1)
     assert found.reasons.get("overshoots[2]", "gap 105 to ").startswith("gap 105 to ")
+
+
+def test_a_heading_at_the_end_of_its_range_gives_no_overshoot(logged):
+    """Each extreme is cut off at 23 deg: one stretch was left out, and 3.0 deg for 13 was stated of the others."""
+    trial, *_ = logged(0.5, noise=0.1)
+    frame = trial.to_frame()
+    frame["psi [deg]"] = frame["psi [deg]"].clip(327.0, 373.0)
+    found = measure(Trial.from_frame(frame))
+    # The last stretch ends with the record, and is not told yet.
+    assert all(beyond is None for beyond in found.overshoots[:3])
