@@ -10,6 +10,7 @@ import numpy as np
 from shipid.foundation.notices import Notice
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import LEAST, SURE, Diagnosis
+from shipid.trials.signals.order import lag_behind_order
 from shipid.trials.trial import Trial
 
 #: Kinds of findings whose samples show nothing of the ship.
@@ -43,11 +44,14 @@ class Faults:
         Samples that count as missing, by column.
     why : Mapping of str to sequence of (float, float, str)
         From when to when [s] these samples are, and what is wrong with them, by column.
+    follows : bool
+        Whether the rudder follows its order, both being logged: what is wrong with the clock of one is wrong with the other's.
     """
 
     diagnosis: Diagnosis
     wrong: Mapping[str, np.ndarray] = field(default_factory=dict)
     why: Mapping[str, Sequence[tuple[float, float, str]]] = field(default_factory=dict)
+    follows: bool = False
 
     def hole(self, name: str, hole: tuple[float, float]) -> str:
         """Return why nothing is known in a hole of a channel, in words.
@@ -126,9 +130,18 @@ class Faults:
                 for f in self.diagnosis.findings
                 if f.kind == "latency" and f.channel == "r" and f.confidence >= SURE and not f.handled and not f.serious
             ]
-        others = [
-            f for f in self.diagnosis.serious if f not in self.diagnosis.bearing_on(names) and f.kind not in _TOLD
-        ]
+        bearing = self.diagnosis.bearing_on(names)
+        if "psi" in names and "delta_order" in names and self.follows:
+            # An order that the rudder follows is as early beside the heading as the rudder is.
+            early = [
+                f for f in self.diagnosis.serious if f.kind == "latency" and f.channel == "delta" and f not in bearing
+            ]
+            said += [
+                Notice(f"latency (delta): {f.message}; its order with it", f.kind, serious=True, channel="delta")
+                for f in early
+            ]
+            bearing = (*bearing, *early)
+        others = [f for f in self.diagnosis.serious if f not in bearing and f.kind not in _TOLD]
         if others:
             what = ", ".join(f"{f.kind} ({f.channel})" for f in others)
             said.append(Notice(f"in columns that are not measured here the doctor finds: {what}", "elsewhere"))
@@ -168,4 +181,8 @@ def faults_of(trial: Trial, diagnosis: Diagnosis | None) -> Faults:
                 wrong[name] = wrong.get(name, np.zeros(len(t), dtype=bool)) | mask
                 kind = found.kind.replace("heading-glitch", "glitches")
                 why.setdefault(name, []).extend((start, end, kind) for start, end in spans)
-    return Faults(said, wrong, why)
+    follows = False
+    if trial.has("delta") and trial.has("delta_order"):
+        lag = lag_behind_order(t, trial["delta_order"], trial["delta"])
+        follows = lag is not None and lag > -0.5
+    return Faults(said, wrong, why, follows)

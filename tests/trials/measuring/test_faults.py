@@ -283,3 +283,13 @@ def test_a_heading_at_the_end_of_its_range_gives_no_overshoot(logged):
     found = measure(Trial.from_frame(frame))
     # The last stretch ends with the record, and is not told yet.
     assert all(beyond is None for beyond in found.overshoots[:3])
+
+
+def test_a_late_heading_bears_on_overshoots_from_the_order_too(logged):
+    """The rudder follows its order, so that both are early beside the heading: 18.6 deg for 13.4 stood there with a note."""
+    trial, *_ = logged(0.5, noise=0.1, order=True)
+    frame = trial.to_frame()
+    frame["psi [deg]"] = frame["psi [deg]"].shift(8, fill_value=frame["psi [deg]"].iloc[0])
+    found = measure(Trial.from_frame(frame))
+    assert [n.known["channel"] for n in found.notes if n.kind == "latency" and n.serious] == ["delta"]
+    assert not any(n.serious for n in measure(trial).notes)
