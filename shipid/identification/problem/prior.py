@@ -15,6 +15,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.identification.problem.trial_data import TrialData
+from shipid.parts.sensors import shown_by
 
 #: Standard deviation of a trial's rudder bias about the mean of all trials, and of that mean, in rad.
 RUDDER_BIAS = np.deg2rad(0.08)
@@ -24,6 +25,8 @@ MEAN_RUDDER_BIAS = np.deg2rad(3.0)
 INITIAL_ANGLE = np.deg2rad(0.3)
 INITIAL_SPEED = 0.01
 CRUISE = 0.005
+#: The same of a heading in rad, and of speeds in shares, by an instrument with an offset, a lag or a scale of its own.
+MISREAD = 0.3
 #: Error that a good low-order model still has: angles in rad, speeds in shares of the ship's.
 STRUCTURE_ANGLE = np.deg2rad(1.0)
 STRUCTURE_SPEED = 0.03
@@ -98,13 +101,16 @@ def prior_of(
         "u": INITIAL_SPEED * speed,
         "v": INITIAL_ANGLE * speed,
     }
+    # What an instrument with errors of its own shows is a start, and says little of the true value.
+    misread = {n: wide for n, wide in (("psi", MISREAD), ("u", MISREAD * speed)) if shown_by(model, (n,)) != (n,)}
+    spread |= misread
     # A state that is not measured starts near zero, within its nominal size; a position without one stays free.
     nominal = {s: n for s in initial if s not in spread and (n := model[s].number("nominal")) is not None}
     scale = Scale(speed * unit_time, speed)
     return Prior(
         biases={"delta": RUDDER_BIAS} if "delta" in biases else {},
         mean_biases={"delta": MEAN_RUDDER_BIAS} if "delta" in biases else {},
-        own={"cruise": CRUISE * speed} if "cruise" in biases else {},
+        own={"cruise": misread.get("u", CRUISE * speed)} if "cruise" in biases else {},
         initial={s: spread[s] for s in initial if s in spread} | nominal,
         parameters={n: prior for n in estimated if (prior := _declared(model, n, scale)) is not None},
         strength=strength_of(data, unit_time),
