@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from shipid.declaration.vocabulary import angle, shown
-from shipid.trials.measuring.track import Way
+from shipid.trials.measuring.track import TurnTrack
 from shipid.trials.signals.channel import Channel
 
 FROM = np.radians(359.0)
@@ -150,7 +150,7 @@ def _pairs(x: Channel, y: Channel, t: np.ndarray, rising: np.ndarray) -> complex
 
 
 def still_water(
-    way: Way,
+    way: TurnTrack,
     found: dict[str, float | None],
     quarters: list[float | None],
     drifting: CircleDrift | None,
@@ -161,7 +161,7 @@ def still_water(
 
     Parameters
     ----------
-    way : Way
+    way : TurnTrack
         The track from the execute on.
     found : dict of str to float or None
         The distances over the ground [m].

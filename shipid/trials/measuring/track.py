@@ -173,7 +173,7 @@ def jumped(channel: Channel, start: float, end: float) -> float:
     return float(y[b] - y[a] - 0.5 * (b - a) * (y[a] - y[a - 1] + y[b + 1] - y[b]))
 
 
-class Way:
+class TurnTrack:
     """The track along and across the initial course, from the execute on.
 
     Parameters

@@ -14,7 +14,7 @@ from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
 from shipid.trials.measuring.rudder.late import not_told, turn_notes, turn_setting_out
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import Way, drift, over_ground_notes, speed_channel, track_channels
+from shipid.trials.measuring.track import TurnTrack, drift, over_ground_notes, speed_channel, track_channels
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, held_angle, plates
@@ -136,10 +136,10 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     notes: list[str] = []
     late, beside = turn_setting_out(steering, side, when), {}
     if track is not None:
-        way = Way(track[0], track[1], course, side, when, calm, faults)
+        way = TurnTrack(track[0], track[1], course, side, when, calm, faults)
         found |= way.distances(quarters, reasons)
         if late is not None:
-            beside = Way(track[0], track[1], course, side, late.times[0], calm, faults).distances(quarters, {})
+            beside = TurnTrack(track[0], track[1], course, side, late.times[0], calm, faults).distances(quarters, {})
         if track[2] == "positions":
             why = faults.step(when, off) or way.jump(off)
             at = psi.t[running], psi.y[running], turned[running]
