@@ -22,6 +22,8 @@ _MOST = 2000
 """Positions that are fitted at most."""
 _TURNING, _STEADY = 0.5 * pi, pi
 """Heading changes from which on a ship turns as the models of a slowing and of a steady turn say."""
+_LATE = 3 * pi
+"""The last heading change of a long circle that is fitted: what settled before is left out."""
 _FLOOR = 0.01
 """A drift below this share of the ship's speed is none, and none is known better."""
 _MODELS = (("speed", "rate", _TURNING), ("speed", "settling", _TURNING), ("rate", "", _STEADY), ("speed", "", _STEADY))
@@ -63,7 +65,7 @@ def drift_of(
     How its speed settles is not known, so four models are fitted to the positions: a speed that is constant and in proportion
     to the rate of turn in parts, one that settles with the heading turned, both from 90 deg on, and a constant radius and a
     constant speed from 180 deg on. Their mean is the drift, and how far they are apart its uncertainty. From 555 deg on, pairs
-    of positions at headings 360 deg apart (IMO MSC/Circ.1053, appendix) have to agree within it.
+    of positions at headings 360 deg apart (IMO MSC/Circ.1053, appendix) are one more, and of a long circle the last turns count.
 
     Parameters
     ----------
@@ -82,21 +84,24 @@ def drift_of(
     rising = np.maximum.accumulate(turned)
     if float(rising[-1]) < FROM:
         return None
-    found, slack = [], 0.0
+    found, spread = [], []
     for one, other, begin in _MODELS:
-        inside = rising >= begin
+        inside = rising >= max(begin, float(rising[-1]) - _LATE)
         fit = _fitted(x, y, t[inside], psi[inside], turned[inside], (one, other) if other else (one,))
         if fit is None:
             return None
         found.append(fit[0])
-        slack = max(slack, fit[1])
+        spread.append(fit[1])
     values = np.array(found)
     mean = complex(values.mean())
-    within = float(np.abs(values[:, None] - values).max())
     pairs = _pairs(x, y, t, rising)
     if pairs is not None:
-        within = max(within, abs(mean - pairs))
-    return CircleDrift(mean.real, mean.imag, within + 2 * slack + _FLOOR * approach)
+        # Over so long a turn it shows which models follow it: they count by what they leave, and as much as the pairs together.
+        weights = 1 / np.maximum(spread, 1e-3 * approach) ** 2
+        mean = 0.5 * (complex(np.sum(weights * values) / np.sum(weights)) + pairs)
+        values = np.append(values, pairs)
+    within = float(np.abs(values[:, None] - values).max())
+    return CircleDrift(mean.real, mean.imag, within + 2 * max(spread) + _FLOOR * approach)
 
 
 def _fitted(
@@ -138,7 +143,7 @@ def _pairs(x: Channel, y: Channel, t: np.ndarray, rising: np.ndarray) -> complex
     final = float(rising[-1])
     if final < 3 * pi + _LEAST:
         return None
-    at = np.linspace(pi, final - 2 * pi, _PAIRS)
+    at = np.linspace(max(pi, final - 4 * pi), final - 2 * pi, _PAIRS)
     keep = np.concatenate(([True], np.diff(rising) > 0))
     one, two = np.interp(at, rising[keep], t[keep]), np.interp(at + 2 * pi, rising[keep], t[keep])
     good = np.array([not any(c.hole(when) for c in (x, y) for when in pair) for pair in zip(one, two)])
