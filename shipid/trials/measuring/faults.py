@@ -26,6 +26,8 @@ _TOLD = ("gap", "hole", "missing", "sentinel", "short")
 _HARMLESS = ("order-not-feedback", "coarse-sampling", "quantised", "written-on-change")
 #: A finding about single samples that are scattered says where they begin and end, not which they are.
 _TOGETHER = 0.8
+#: A rudder that sets out this much before its order does not follow it [s].
+_AHEAD = 0.5
 _NAMES = {
     "psi": "the heading", "delta": "the rudder", "delta_order": "the order", "x": "the position", "y": "the position",
     "u": "the speed", "v": "the speed", "U": "the speed", "r": "the rate of turn",
@@ -184,5 +186,5 @@ def faults_of(trial: Trial, diagnosis: Diagnosis | None) -> Faults:
     follows = False
     if trial.has("delta") and trial.has("delta_order"):
         lag = lag_behind_order(t, trial["delta_order"], trial["delta"])
-        follows = lag is not None and lag > -0.5
+        follows = lag is not None and lag > -_AHEAD
     return Faults(said, wrong, why, follows)
