@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import itertools
 import os
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -64,6 +66,10 @@ SHIPID_EXPORT int shipid_once(void* const* a) {{
                      (casadi_real*)a[4], 1);
 }}
 """
+
+
+#: State before the first sample, controls and coefficients of one record.
+_Record: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,17 +129,25 @@ class Loop:
         ValueError
             If the shapes do not fit the step.
         """
-        nz, nc, n_p, no = self.sizes
+        record = self._fitting(z0, controls, p)
+        return self._run(record, np.empty((len(record[1]), self.sizes[3]), self.dtype))
+
+    def _fitting(self, z0: np.ndarray, controls: np.ndarray, p: np.ndarray) -> _Record:
+        """A record as the machine code reads it: plain memory, in which a wrong shape would not be found."""
+        nz, nc, n_p, _ = self.sizes
         z0, p = (np.ascontiguousarray(a, dtype=self.dtype) for a in (z0, p))
         controls = np.ascontiguousarray(controls, dtype=self.dtype)
-        count = controls.shape[0]
-        # The machine code reads plain memory: a wrong shape would not be found there.
-        if z0.shape != (nz,) or p.shape != (n_p,) or controls.shape != (count, nc):
+        if z0.shape != (nz,) or p.shape != (n_p,) or controls.shape != (len(controls), nc):
             raise ValueError(f"shapes {z0.shape}, {controls.shape}, {p.shape} do not fit the step {self.sizes}")
+        return z0, controls, p
+
+    def _run(self, record: _Record, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Run a record that fits; its outputs are written to `out` where the code is compiled."""
         if self.call is None:
-            return self._interpreted(z0, controls, p)
-        z, out = np.empty(nz, self.dtype), np.empty((count, no), self.dtype)
-        self.call(z0.ctypes.data, controls.ctypes.data, p.ctypes.data, z.ctypes.data, out.ctypes.data, count)
+            return self._interpreted(*record)
+        z0, controls, p = record
+        z = np.empty(len(z0), self.dtype)
+        self.call(z0.ctypes.data, controls.ctypes.data, p.ctypes.data, z.ctypes.data, out.ctypes.data, len(controls))
         return z, out
 
     def _interpreted(self, z0: np.ndarray, controls: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -165,11 +179,21 @@ class Loop:
         list of tuple of ndarray
             As for one record, one entry each.
         """
-        workers = threads or os.cpu_count() or 1
-        if workers == 1 or self.call is None:
-            return [self(*each) for each in zip(z0, controls, p)]
+        records = [self._fitting(*each) for each in zip(z0, controls, p)]
+        rows = np.cumsum([0, *(len(c) for _, c, _ in records)]).tolist()
+        # One block for all outputs: to be given many small ones by the system takes as long as the arithmetic.
+        block = np.empty((rows[-1], self.sizes[3]), self.dtype)
+
+        def some(first: int, last: int) -> list[tuple[np.ndarray, np.ndarray]]:
+            return [self._run(records[k], block[rows[k] : rows[k + 1]]) for k in range(first, last)]
+
+        workers = min(threads or os.cpu_count() or 1, len(records))
+        if workers <= 1 or self.call is None:
+            return some(0, len(records))
+        # Several records a task, since handing over costs time; several tasks a thread, since lengths differ.
+        ends = np.linspace(0, len(records), 4 * workers + 1).astype(int).tolist()
         with ThreadPoolExecutor(workers) as pool:
-            return list(pool.map(self, z0, controls, p))
+            return list(itertools.chain.from_iterable(pool.map(some, ends[:-1], ends[1:])))
 
     def side_by_side(
         self, z0: np.ndarray, controls: np.ndarray, p: np.ndarray, threads: int | None = None
