@@ -259,6 +259,8 @@ def confidence_of(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
 
 #: Values that scatter repeat at this share of the samples at most, and go back at that share of them at least.
 _REPEATS, _BACK_AND_FORTH = 0.05, 0.25
+#: Noise of so many digits is seen in how a channel bends.
+_GRAINS = 2.0
 #: Values that stand do so for less than this share of the record.
 _STANDING = 0.3
 
@@ -277,6 +279,17 @@ def never_repeats(values: np.ndarray, stands: np.ndarray) -> bool:
     for a, b in stands:
         standing[a:b] = True
     step = np.diff(values)[~standing]
-    # Ramps do not repeat either, and do not come back.
-    back = float(np.mean(step[1:] * step[:-1] < 0)) if step.size > 2 else 0.0
+    # Ramps do not repeat either, and do not come back; nor does a smooth channel bend to and fro, beyond its digits.
+    back = _turns(step) if noise(values) < _GRAINS * _grain(values) else max(_turns(step), _turns(np.diff(step)) - 0.25)
     return float(np.mean(standing)) < _STANDING and back > _BACK_AND_FORTH and float(np.mean(step == 0)) < _REPEATS
+
+
+def _turns(step: np.ndarray) -> float:
+    """Share of steps that go back on the one before."""
+    return float(np.mean(step[1:] * step[:-1] < 0)) if step.size > 2 else 0.0
+
+
+def _grain(values: np.ndarray) -> float:
+    """Least distance between values that differ: a digit, or of values that never repeat nearly nothing."""
+    apart = np.diff(np.unique(values))
+    return float(np.quantile(apart, 0.05)) if apart.size else 0.0

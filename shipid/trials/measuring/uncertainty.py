@@ -7,6 +7,15 @@ import numpy as np
 from shipid.trials.measuring.rudder.executes import Execute
 from shipid.trials.signals.channel import Channel
 
+_PEAKS = (10 / 3, 5.0)
+"""Half the widths of heading about a peak whose shape is looked at, in those over which it is averaged."""
+
+_SMOOTH = 0.003
+"""Share of the overshoot by which a polynomial of degree four misses the heading about a peak, at the most, however fast the gear."""
+
+_AMISS = 10.0
+"""A heading that stands still near its peak hides up to so many times what the polynomial misses; scanned are stops of 6 to 12 s."""
+
 
 def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: float | None, half: float) -> float:
     """Return the 95 % uncertainty of an overshoot [rad].
@@ -42,6 +51,8 @@ def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: 
         if hole is not None:
             # Bridged: a cubic through both sides; what a parabola would make of it is the size of what it can miss.
             parts.append(0.1 * _curvature(psi, when) * ((hole[1] - hole[0]) / psi.interval) ** 2 / 4)
+    if top is not None:
+        parts.append(_amiss(logged, top, half, max(scatter, 0.3 * (logged.digit or logged.grain or 0.0)), execute.time))
     step = logged.digit or logged.grain
     if step is not None:
         # Two headings, each off by up to half a digit: 95 % of their difference lies within 0.78 of one.
@@ -54,6 +65,23 @@ def _scatter(y: np.ndarray) -> float:
     if len(y) < 8:
         return 0.0
     return float(1.4826 * np.median(np.abs(np.diff(y, 3))) / np.sqrt(20))
+
+
+def _amiss(psi: Channel, top: float, half: float, scatter: float, execute: float) -> float:
+    """What may be wrong with a peak that is no smooth swing: the heading stood still, or leapt, or waves yaw the ship."""
+    most, beyond = 0.0, abs(float(np.diff(np.interp([execute, top], psi.t, psi.y))[0]))
+    for width in _PEAKS:
+        near = np.abs(psi.t - top) <= width * half
+        count = int(near.sum())
+        if count < 10:
+            continue
+        at = (psi.t[near] - top) / (width * half)
+        rest = psi.y[near] - np.polynomial.polynomial.polyval(at, np.polynomial.polynomial.polyfit(at, psi.y[near], 4))
+        missed = (
+            float(rest @ rest) / (count - 5) - scatter**2 * (1 + 4 * np.sqrt(2 / (count - 5))) - (_SMOOTH * beyond) ** 2
+        )
+        most = max(most, missed)
+    return _AMISS * float(np.sqrt(most))
 
 
 def _curvature(psi: Channel, when: float) -> float:

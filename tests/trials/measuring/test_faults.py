@@ -293,3 +293,22 @@ def test_a_late_heading_bears_on_overshoots_from_the_order_too(logged):
     found = measure(Trial.from_frame(frame))
     assert [n.known["channel"] for n in found.notes if n.kind == "latency" and n.serious] == ["delta"]
     assert not any(n.serious for n in measure(trial).notes)
+
+
+@pytest.mark.parametrize(
+    ("interval", "wobble", "start", "lasts"), [(0.2, 0.0, -3.0, 9.0), (0.5, 0.01, -3.0, 6.0), (0.5, 0.01, 0.5, 6.0)]
+)
+def test_a_heading_that_stands_still_near_its_peak_is_in_the_interval(logged, interval, wobble, start, lasts):
+    """The peak is at 49.6 s; 13.10 +- 0.14 deg for 13.46 was stated, of a heading that repeats its value or nearly so."""
+    trial, _, overshoots = logged(interval, noise=0.05)
+    frame = trial.to_frame()
+    stuck = (trial["t"] >= 49.6 + start) & (trial["t"] <= 49.6 + start + lasts)
+    last = frame["psi [deg]"].to_numpy()[np.argmax(stuck)]
+    frame.loc[stuck, "psi [deg]"] = last + np.random.default_rng(2).normal(0, wobble, int(stuck.sum()))
+    found = measure(Trial.from_frame(frame))
+    if found.overshoots[0] is None:
+        assert "frozen" in found.reasons["overshoots[1]"]
+    else:
+        assert abs(np.degrees(found.overshoots[0]) - overshoots[0]) < np.degrees(found.overshoot_uncertainties[0])
+    # The next peak is sound, and stated as closely as before.
+    assert found.overshoot_uncertainties[1] == pytest.approx(measure(trial).overshoot_uncertainties[1], rel=0.2)

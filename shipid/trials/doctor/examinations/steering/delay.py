@@ -9,6 +9,7 @@ import numpy as np
 from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.filtered import (
+    damping,
     filtered,
     regular_signals,
     settled,
@@ -88,12 +89,10 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     use = settled(signals, constant)
     if int(use.sum()) < 30:
         return None
-    r, slope, bend = filtered(signals, signals.r, constant)
-    drag = filtered(signals, signals.r * np.abs(signals.r), constant)[0]
-    cubic = filtered(signals, signals.r**3, constant)[0]
+    common, target = (values[use] for values in damping(signals, constant))
+    bend = filtered(signals, signals.r, constant)[2]
     smooth, rate, _ = filtered(signals, signals.delta, constant)
-    target, delta = slope[use], smooth[use]
-    common = np.column_stack([r, drag, cubic, np.ones_like(r)])[use]
+    delta = smooth[use]
     # Accelerations below 1e-160 differ, but their squares do not.
     total = float(np.sum((target - target.mean()) ** 2))
     if total == 0:

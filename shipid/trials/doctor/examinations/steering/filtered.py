@@ -94,6 +94,26 @@ def filtered(signals: Signals, values: np.ndarray, constant: float) -> tuple[np.
     return found[0] + start, found[1] / signals.step, found[2] / signals.step**2
 
 
+def damping(signals: Signals, constant: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return what damps a turn, ``r``, ``r|r|``, ``r^3`` and a constant, filtered, and the acceleration in turning beside it.
+
+    Parameters
+    ----------
+    signals : Signals
+        The signals.
+    constant : float
+        Time constant of the filter [s].
+
+    Returns
+    -------
+    tuple of ndarray
+        Shapes (m, 4) and (m,).
+    """
+    r, slope, _ = filtered(signals, signals.r, constant)
+    others = (filtered(signals, power, constant)[0] for power in (signals.r * np.abs(signals.r), signals.r**3))
+    return np.column_stack([r, *others, np.ones_like(r)]), slope
+
+
 @lru_cache(maxsize=64)
 def _coefficients(width: float) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Numerators and denominators of the filter and its first two derivatives, for a width in samples."""

@@ -8,7 +8,13 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, settled, squares_of_each
+from shipid.trials.doctor.examinations.steering.filtered import (
+    damping,
+    filtered,
+    regular_signals,
+    settled,
+    squares_of_each,
+)
 from shipid.trials.doctor.examinations.steering.rudder import executes
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.signals.order import GEAR
@@ -77,10 +83,7 @@ def late_answer(p: WorkingCopy, name: str) -> LateAnswer | None:
     use = settled(signals, constant)
     if int(use.sum()) < 30:
         return None
-    r, slope, _ = filtered(signals, signals.r, constant)
-    drag = filtered(signals, signals.r * np.abs(signals.r), constant)[0]
-    cubic = filtered(signals, signals.r**3, constant)[0]
-    common, target = np.column_stack([r, drag, cubic, np.ones_like(r)])[use], slope[use]
+    common, target = (values[use] for values in damping(signals, constant))
     total = float(np.sum((target - target.mean()) ** 2))
     if total == 0:
         return None
