@@ -85,7 +85,8 @@ class WaveMoment(Component):
     """The yaw acceleration by waves, which moves the ship itself: elevation at the frequency of encounter, times sin 2 gamma_w.
 
     `Waves` shows a motion to the instruments that the track does not have; this is the other form of the thesis, an input of the yaw
-    equation. White noise of intensity 4 zeta omega_e^3 (H/4)^2 gives the elevation of a sea of significant height H.
+    equation. White noise of intensity 4 zeta omega_0^3 (H/4)^2 gives the elevation of a sea of significant height H, whatever the
+    frequency of encounter: the ship's own speed adds no energy to the waves.
     """
 
     elevation = state("m", "elevation of the sea as the ship meets it", nominal=1.0, latex=r"\zeta_w")
@@ -119,7 +120,9 @@ class WaveMoment(Component):
         along = self.u * np.cos(self.wave_direction - self.psi)
         encounter = self.wave_frequency - self.wave_frequency**2 * along / self.g
         omega = np.maximum(np.abs(encounter), self.wave_damping * self.wave_frequency)
-        return self.elevation_noise - 2 * self.wave_damping * omega * self.elevation_rate - omega**2 * self.elevation
+        kept = (omega / self.wave_frequency) ** 1.5
+        damping = 2 * self.wave_damping * omega * self.elevation_rate
+        return kept * self.elevation_noise - damping - omega**2 * self.elevation
 
     @r_disturbance.equals
     def moment(self):

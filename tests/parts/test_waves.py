@@ -62,8 +62,9 @@ def test_the_spectrum_of_a_sea_holds_its_energy() -> None:
     assert omega[np.argmax(spectrum)] == pytest.approx((0.8 * 691 / 8.0**4) ** 0.25, abs=2e-4)
 
 
-def test_the_moment_of_waves_is_that_of_the_quarter() -> None:
-    """None from ahead, astern and abeam, of opposite sign on the two bows; the elevation has the variance of the sea."""
+@pytest.mark.parametrize("speed", [0.0, 9.0, 16.0, -9.0])
+def test_the_moment_of_waves_is_that_of_the_quarter(speed: float) -> None:
+    """None from ahead, astern and abeam, of opposite sign on the two bows; the elevation has the variance of the sea at any speed."""
     model = shipid.join("moment", WaveMoment)
     still = {
         "wave_frequency": 0.6,
@@ -88,6 +89,8 @@ def test_the_moment_of_waves_is_that_of_the_quarter() -> None:
         found = at(0.4, **moved).right_hand_sides("rate")
         return [float(found[n]) for n in ("elevation", "elevation_rate")]
 
+    still["u"] = speed
     matrix = np.array([rates(elevation=1.0), rates(elevation_rate=1.0)]).T
-    covariance = solve_continuous_lyapunov(matrix, -np.diag([0.0, 4 * 0.15 * 0.6**3 * 1.0**2]))
+    noise = np.array([rates(elevation_noise=1.0)]).T
+    covariance = solve_continuous_lyapunov(matrix, -4 * 0.15 * 0.6**3 * noise @ noise.T)
     assert covariance[0, 0] == pytest.approx(1.0)

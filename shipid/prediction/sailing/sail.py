@@ -22,6 +22,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.replaced import with_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
@@ -29,6 +30,7 @@ from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.tracks.order import unwrapped
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, parts_in_wind
 from shipid.trials.manoeuvres.noise import measured, parse_noise
+from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
@@ -81,7 +83,7 @@ def sail(
     current, wind : str or tuple, optional
         Speed and direction it flows TO, with units or in SI.
     waves : str or tuple, optional
-        Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
+        Root mean square of the heading by waves, and the direction they run TO, with units or in SI; see `shipid.simulate`.
     inputs : mapping of str to str or float, optional
         Constant inputs of the model, with units or in SI.
     noise : str or mapping, optional
@@ -109,7 +111,7 @@ def sail(
     NotSailedError
         If the model leaves the range in which it is valid, or runs away.
     """
-    pilot, truth = steering(pilot, model, ship)
+    pilot, truth = steering(pilot, model, ship, values)
     u0 = pilot.own_speed if speed is None else number(speed, "m/s", "the speed")
     if not u0 > 0:
         raise UsageError(f"a speed of {u0:g} m/s does not steer a ship: give one greater than zero.")
@@ -124,7 +126,8 @@ def sail(
     parts: list[type[Component]] = [TurnOrder] if pilot.mode == "rate" else []
     parts += manoeuvring_range(truth)
     parts += parts_in_wind(truth, wind)
-    parts += [Waves] if waves is not None else []
+    shows = waves is not None and driven_by(truth)[0] == "wave_noise"
+    parts += [Waves] if shows else []
     whole = closed_loop(pilot, *parts)
     finest = min(stiffest(pilot, whole, np.array([u0])), PACE * unit_time)
     fine = max(1, int(np.ceil(interval / finest - 1e-9)))
@@ -151,11 +154,11 @@ def sail(
     if rudder_limit is not None:
         known["rudder_limit"] = number(rudder_limit, "rad", "the rudder limit")
     if waves is not None:
-        known, acting = with_waves(waves, known, acting, pilot.length, u0, interval / fine, t.size, seed)
+        known, acting = with_waves(truth, waves, known, acting, pilot.length, u0, interval / fine, t.size, seed)
     if (lacking := missing_values(whole, known, f"ship {pilot.ship.name}")) is not None:
         raise lacking
     recorded = {n: n for n in RECORDED if n in whole}
-    if waves is not None:
+    if shows:
         recorded |= {"psi": "psi_seen", "r": "r_seen"}
     run = make_simulator(whole, tuple(recorded.values()), hold="zero", compiled=False)(
         t, known, acting, {"u": u0, "psi": course, "psi_ramp": course}
@@ -182,7 +185,10 @@ def sail(
 
 
 def steering(
-    pilot: Autopilot, model: Model | type[Component] | str | None, ship: ParameterSet | str | Path | None
+    pilot: Autopilot,
+    model: Model | type[Component] | str | None,
+    ship: ParameterSet | str | Path | None,
+    values: Mapping[str, str | float] | None = None,
 ) -> tuple[Autopilot, Model]:
     """Return an autopilot with its gains on the ship that sails, and the model of that ship.
 
@@ -194,6 +200,8 @@ def steering(
         The ship that sails; the autopilot's own by default.
     ship : ParameterSet, str or Path, optional
         Its coefficients.
+    values : mapping of str to str or float, optional
+        Those that its set lacks are taken from here.
 
     Returns
     -------
@@ -207,6 +215,8 @@ def steering(
     """
     truth = pilot.model if model is None else model_of(model)
     ships = pilot.ships if ship is None else (ship_of(ship),)
+    lacked = {n: v for n, v in (values or {}).items() if n in truth.parameters and ships[0].find(truth, n) is None}
+    ships = tuple(with_values(s, lacked, [truth]) for s in ships) if lacked else ships
     if truth is pilot.model and ships == pilot.ships:
         return pilot, truth
     if "x" not in truth.states or "psi" not in truth.states:

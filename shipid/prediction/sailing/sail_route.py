@@ -36,6 +36,7 @@ from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, parts_in_wind
 from shipid.trials.manoeuvres.noise import measured, parse_noise
+from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source, origin_words
 from shipid.trials.trial import Trial
@@ -95,7 +96,7 @@ def sail_route(
     current, wind : str or tuple, optional
         Speed and direction it flows TO, with units or in SI.
     waves : str or tuple, optional
-        Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
+        Root mean square of the heading by waves, and the direction they run TO, with units or in SI; see `shipid.simulate`.
     inputs : mapping of str to str or float, optional
         Constant inputs of the model, with units or in SI.
     noise : str or mapping, optional
@@ -126,7 +127,7 @@ def sail_route(
     """
     if pilot.mode != "course":
         raise UsageError("an autopilot that holds a rate of turn steers no route: design one that holds a course.")
-    steered, truth = steering(pilot, model, ship)
+    steered, truth = steering(pilot, model, ship, values)
     check_flows(truth, current, wind)
     told: list[str] = [*map(notice_of, route.notes)]
     u0 = _speed(pilot, route, speed, told)
@@ -138,11 +139,12 @@ def sail_route(
         plan,
         rudder_limit=None if rudder_limit is None else number(rudder_limit, "rad", "the rudder limit"),
     )
-    parts = (*windy, Waves) if waves is not None else windy
+    pushed = driven_by(truth)[0]
+    parts = (*windy, Waves) if waves is not None and pushed == "wave_noise" else windy
     known, acting = _stated(closed_loop(steered, *parts), values, inputs, flows)
     if waves is not None:
         # What the waves are; the noise that drives them follows, in steps of the ship.
-        known, driven = with_waves(waves, known, {}, pilot.length, u0, 1.0, 1, seed)
+        known, driven = with_waves(truth, waves, known, {}, pilot.length, u0, 1.0, 1, seed)
         acting |= {n: float(np.asarray(v).flat[0]) for n, v in driven.items()}
     drift = flows.get("current_north", 0.0), flows.get("current_east", 0.0)
     begin = {"x": plan.line[0, 0], "y": plan.line[0, 1], "psi": heading_on(plan.legs[0], drift, u0)}
@@ -160,8 +162,8 @@ def sail_route(
     run = _Run(sailing, helm, {**flows, "cruise": u0}, interval)
     if waves is not None:
         size = (int(end / interval) + 2) * run.fine
-        _, driven = with_waves(waves, known, {}, pilot.length, u0, interval / run.fine, size, seed)
-        run.waves = np.asarray(driven["wave_noise"]).reshape(-1, run.fine)
+        _, driven = with_waves(truth, waves, known, {}, pilot.length, u0, interval / run.fine, size, seed)
+        run.pushed, run.waves = pushed, np.asarray(driven[pushed]).reshape(-1, run.fine)
     run.sail(end)
     return _voyage(run, pilot, route, parse_noise(noise), seed, told, name or route.name)
 
@@ -254,6 +256,7 @@ class _Run:
         self.fine = max(1, int(np.ceil(interval / ship.longest_step - 1e-9)))
         self.every = max(1, round(_ORDERED / ship.pilot.pace(ship.speed) / interval))
         self.waves: np.ndarray | None = None
+        self.pushed = "wave_noise"
         self.samples: list[dict[str, float]] = []
         self.legs: list[int] = []
         self.turning: list[bool] = []
@@ -271,7 +274,7 @@ class _Run:
                 ship.advance(self.interval)
             else:
                 for push in self.waves[k]:
-                    ship.inputs["wave_noise"] = float(push)
+                    ship.inputs[self.pushed] = float(push)
                     ship.advance(self.interval / self.fine)
             k += 1
             self._check()
@@ -337,7 +340,7 @@ def _voyage(
         off[rows], on[rows] = plan.off_track(columns["x"][rows], columns["y"][rows], int(leg))
     to = np.array(plan.waypoints)[on]
     seen = {n: n for n in RECORDED if n in columns}
-    if run.waves is not None:
+    if run.waves is not None and run.pushed == "wave_noise":
         seen |= {"psi": "psi_seen", "r": "r_seen"}
     table = measured({n: columns[q] for n, q in seen.items()}, t, deviations, seed)
     table = table.assign(psi_order=columns["psi_order"], off_track=off, waypoint=(to + 1).astype(float))

@@ -112,7 +112,7 @@ class SimulatedShip:
         parts: Sequence[type[Component]] = (),
         steered_by: SteeredBy = "heading",
     ) -> None:
-        self.pilot, truth = steering(pilot, model, ship)
+        self.pilot, truth = steering(pilot, model, ship, values)
         self.speed = self.pilot.own_speed if speed is None else speed
         self.model = _steered(self.pilot, steered_by, parts)
         self.t = 0.0

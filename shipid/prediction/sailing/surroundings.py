@@ -12,6 +12,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import UsageError
 from shipid.trials.manoeuvres.flows import Flow, flow_of
+from shipid.trials.manoeuvres.sea import driven_by
 
 
 def stated_inputs(model: Model, inputs: Mapping[str, str | float] | None) -> dict[str, float]:
@@ -40,6 +41,7 @@ def stated_inputs(model: Model, inputs: Mapping[str, str | float] | None) -> dic
 
 
 def with_waves(
+    model: Model,
     waves: Flow,
     known: dict[str, float],
     acting: dict[str, float | np.ndarray],
@@ -53,8 +55,11 @@ def with_waves(
 
     Parameters
     ----------
+    model : Model
+        What is sailed.
     waves : str or tuple
-        Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
+        Root mean square of the heading by waves, or of waves that move the model their significant height; and the direction they
+        run TO, with units or in SI.
     known : dict of str to float
         Coefficients, SI.
     acting : dict of str to float or ndarray
@@ -71,11 +76,12 @@ def with_waves(
     Returns
     -------
     known, acting : dict
-        ``wave_noise`` among the inputs is an array, shape (count,).
+        The noise among the inputs is an array, shape (count,).
     """
-    size, direction = flow_of(waves, "waves", "rad") or (0.0, 0.0)
+    driven, unit, share = driven_by(model)
+    size, direction = flow_of(waves, "waves", unit) or (0.0, 0.0)
     damping = float(known.get("wave_damping", Weather.damping))
-    sea = replace(standard_weather(length, speed), wave_heading=size, damping=damping)
+    sea = replace(standard_weather(length, speed), wave_heading=share * size, damping=damping)
     known = known | {"wave_frequency": sea.wave_frequency, "wave_damping": damping}
     noise = sea.noise(count, np.array([step]), seed)[:, 0]
-    return known, acting | {"wave_noise": noise, "wave_direction": direction}
+    return known, acting | {driven: noise, "wave_direction": direction}

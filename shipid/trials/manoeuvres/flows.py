@@ -15,6 +15,13 @@ from shipid.parts.wind import Wind
 
 #: A current, a wind or waves: ``"3 kn to 30 deg"``, or a size and the direction they flow TO, each with a unit or in SI.
 Flow: TypeAlias = "str | tuple[str | float, str | float]"
+#: What is written, and what its size is called, by its unit.
+_EXAMPLES = {
+    "m/s": ("3 kn to 30 deg", "10 m/s from 270 deg"),
+    "rad": ("0.5 deg from 300 deg", "0.5 deg to 120 deg"),
+    "m": ("2 m from 300 deg", "2 m to 120 deg"),
+}
+_SIZES = {"m/s": "speed of", "rad": "heading by", "m": "significant height of"}
 _SAID = re.compile(r"\s*(.+?)\s+(to|from)\s+(.+?)\s*")
 
 
@@ -56,12 +63,11 @@ def flow_of(flow: Flow | None, what: str, unit: str = "m/s") -> tuple[float, flo
     if isinstance(flow, str):
         said = _SAID.fullmatch(flow)
         if not said:
-            example = "3 kn to 30 deg" if unit == "m/s" else "0.5 deg from 300 deg"
-            more = "10 m/s from 270 deg" if unit == "m/s" else "0.5 deg to 120 deg"
+            example, more = _EXAMPLES[unit]
             raise UsageError(f"the {what} '{flow}' does not say where it flows: write '{example}' or '{more}'.")
         size, way, direction = said.groups()
         flow, turned = (Typed(size), Typed(direction)), np.pi if way == "from" else 0.0
-    size_of = f"speed of the {what}" if unit == "m/s" else f"heading by the {what}"
+    size_of = f"{_SIZES[unit]} the {what}"
     return number(flow[0], unit, size_of), number(flow[1], "rad", f"direction of the {what}") + turned
 
 

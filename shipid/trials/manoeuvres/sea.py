@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.declaration.model import Model
+
 #: From this length on, in m, the sea is that of a ship at sea; for a smaller one it is scaled by Froude's law, as for a ship model.
 FULL_LENGTH = 100.0
 #: Frequency of the waves in rad/s for such a ship, and the damping ratio of the filter that makes waves of white noise.
@@ -19,6 +21,26 @@ def froude_share(length: float) -> float:
         Of the ship in m.
     """
     return float(np.sqrt(min(length, FULL_LENGTH) / FULL_LENGTH))
+
+
+def driven_by(model: Model) -> tuple[str, str, float]:
+    """Return how waves act on a simulated ship: a model with a moment by waves is moved, any other shows a yaw to its instruments.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model.
+
+    Returns
+    -------
+    name : str
+        The input that white noise drives, of `shipid.parts.waves.WaveMoment` or of `shipid.parts.waves.Waves`.
+    unit : str
+        Of the size of the waves, SI: significant height, or root mean square of the heading, the ship at rest.
+    share : float
+        Root mean square of what is driven, over that size.
+    """
+    return ("elevation_noise", "m", 0.25) if "elevation_noise" in model.inputs else ("wave_noise", "rad", 1.0)
 
 
 def wave_intensity(frequency: float, heading: float, damping: float = DAMPING) -> float:

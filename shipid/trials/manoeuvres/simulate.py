@@ -29,7 +29,7 @@ from shipid.parts.waves import Waves
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, parts_in_wind, said_of
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, parse_noise
-from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, froude_share, wave_noise
+from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, driven_by, froude_share, wave_noise
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
 
@@ -94,7 +94,8 @@ def simulate(
         the ship's set.
     waves : str or tuple, optional
         Root mean square of the heading by waves, and the direction they run TO, with units or in SI. They show in ``psi`` and ``r``,
-        which the instruments measure; the helmsman steers by the heading without them, and they do not change the path.
+        which the instruments measure; the helmsman steers by the heading without them, and they do not change the path. A model
+        with `shipid.parts.waves.WaveMoment` is moved by them: its size is then the significant height, ``"2 m from 300 deg"``.
     inputs : mapping of str to str or float, optional
         Inputs of the model that are held, with units or in SI.
     steering : bool
@@ -138,7 +139,9 @@ def simulate(
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
 
     check_flows(model, current, wind)
-    whole = _with_steering(model, planned.helm, steering, wind, waves is not None)
+    driven, unit_of_waves, share = driven_by(model)
+    shows = waves is not None and driven == "wave_noise"
+    whole = _with_steering(model, planned.helm, steering, wind, shows)
     whole, replaced = _with_values(whole, values or {})
     known = ship.values(whole, speed=u0) | replaced | planned.constants
     lacking = missing_values(whole, known, f"ship {ship.name}")
@@ -154,9 +157,11 @@ def simulate(
     count = round(planned.duration / interval) + 1
     t = np.arange((count - 1) * fine + 1) * (interval / fine)
     acting: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
-    if (sea := flow_of(waves, "waves", "rad")) is not None:
-        known, inputs_of_waves = _with_waves(sea, known, length, interval / fine, t.size, seed)
-        acting |= inputs_of_waves
+    if (sea := flow_of(waves, "waves", unit_of_waves)) is not None:
+        frequency = FREQUENCY / froude_share(length)
+        push = wave_noise(t.size, np.array([interval / fine]), seed, frequency=frequency, heading=share * sea[0])[:, 0]
+        known = known | {"wave_frequency": frequency, "wave_damping": DAMPING}
+        acting |= {driven: push, "wave_direction": sea[1]}
     if planned.schedule:
         acting["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
@@ -176,7 +181,7 @@ def simulate(
         )
     deviations = parse_noise(noise)
     columns = {n: run.columns[reading[n]] for n in kept if n in reading}
-    if waves is not None:
+    if shows:
         # The reading of an instrument has the waves already.
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if reading.get(n) == n}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
@@ -189,7 +194,7 @@ def simulate(
     noises = ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
     met = "".join(
         f"; {what} {said_of(w, unit)}"
-        for what, w, unit in (("current", current, "m/s"), ("wind", wind, "m/s"), ("waves", waves, "rad"))
+        for what, w, unit in (("current", current, "m/s"), ("wind", wind, "m/s"), ("waves", waves, unit_of_waves))
         if w is not None
     )
     met += "".join(f"; {n} {value} held" for n, value in (inputs or {}).items())
@@ -205,17 +210,6 @@ def simulate(
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship.name, units
     )
-
-
-def _with_waves(
-    waves: tuple[float, float], known: dict[str, float], length: float, step: float, count: int, seed: int
-) -> tuple[dict[str, float], dict[str, float | np.ndarray]]:
-    """Coefficients and inputs of waves of a size, at the usual frequency for a ship of this length."""
-    size, direction = waves
-    frequency = FREQUENCY / froude_share(length)
-    noise = wave_noise(count, np.array([step]), seed, frequency=frequency, heading=size)[:, 0]
-    sea = {"wave_frequency": frequency, "wave_damping": DAMPING}
-    return known | sea, {"wave_noise": noise, "wave_direction": direction}
 
 
 def _speed(ship: ParameterSet, speed: str | float | None) -> float:

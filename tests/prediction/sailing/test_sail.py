@@ -7,7 +7,10 @@ import pytest
 
 import shipid
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.models import DeKeizer, PlanarMotion, VanLeeuwenSway, WaveMoment
+from shipid.prediction.routes.route import Route, Waypoint
 from shipid.prediction.sailing.sail import sail
+from shipid.prediction.sailing.sail_route import sail_route
 from shipid.prediction.situations.filtered_situation import situation_of
 from shipid.prediction.situations.own_ship_filter import own_ship_filter
 from shipid.prediction.tracks.track_predictor import TrackPredictor
@@ -123,3 +126,15 @@ def test_the_track_from_a_filter_is_inside_its_band(pilot):
         across, node = track.distance_to(clean.table["x"][rows].to_numpy(), clean.table["y"][rows].to_numpy())
         inside.append(np.mean(np.abs(across) <= np.interp(node, np.arange(track.s.size), track.half_width)))
     assert np.mean(inside) > 0.85
+
+
+def test_waves_with_a_moment_move_the_ship_that_is_steered(pilot):
+    """Their size is a height; the rudder answers a yaw that the path has, on courses and on a route."""
+    model = shipid.join("in a sea", DeKeizer, VanLeeuwenSway, PlanarMotion, WaveMoment)
+    values = {"H_g": "1e-4 rad/m/s^2"}
+    moved = sail(pilot, "0 deg", model=model, waves="2 m from 45 deg", values=values, duration="300 s")
+    assert np.std(moved["delta"]) > np.deg2rad(0.02) and np.std(moved["r"]) > np.deg2rad(0.002)
+    places = (Waypoint((0.0, 0.0), "A"), Waypoint((6000.0, 0.0), "B"))
+    route = Route("straight", places, geographic=False)
+    voyage = sail_route(pilot, route, model=model, waves="2 m from 45 deg", values=values, duration="200 s")
+    assert np.std(voyage.trial["r"]) > np.deg2rad(0.002)

@@ -20,6 +20,7 @@ from shipid import (
 )
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
+from shipid.models import DeKeizer, PlanarMotion, VanLeeuwenSway, WaveMoment
 from shipid.parameters.parameter_set import Value
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -166,6 +167,23 @@ def test_a_model_that_reads_the_wind_itself_is_turned_by_it_and_its_log_shows_it
     assert np.allclose(blown["wind_speed"], 2.0) and np.allclose(blown["wind_direction"], np.deg2rad(70.0))
     calm = simulate("cubic-wind", "esso-osaka-3m", "zigzag:10/10", duration="60 s")
     assert np.abs(blown["r"] - calm["r"]).max() > np.deg2rad(0.05) and not calm.has("wind_speed")
+
+
+def test_waves_move_a_model_that_has_their_moment() -> None:
+    """(2.91): the size is a height, the path is another one, and from ahead there is no moment. They did not act at all."""
+    model = join("in a sea", DeKeizer, VanLeeuwenSway, PlanarMotion, WaveMoment)
+
+    def at(waves: str | None) -> Trial:
+        moved = {"values": {"H_g": "1e-4 rad/m/s^2"}, "duration": "300 s", "sampling": "1 s"}
+        return simulate(model, "soesterberg", "zigzag:0.001/90", waves=waves, **moved)
+
+    quarter, twice, ahead = (at(w) for w in ("2 m from 45 deg", "4 m from 45 deg", "2 m from 0 deg"))
+    assert np.std(quarter["r"]) > 0.005 * DEG and np.abs(quarter["y"]).max() > 0.1
+    # In proportion to the height, while the heading hardly changes.
+    assert np.std(twice["r"]) == pytest.approx(2 * np.std(quarter["r"]), rel=0.05)
+    assert np.std(ahead["r"]) < 0.02 * np.std(quarter["r"])
+    with pytest.raises(UnitError, match="significant height of the waves needs the unit m"):
+        at("0.5 deg from 45 deg")
 
 
 def test_wind_turns_the_ship() -> None:
