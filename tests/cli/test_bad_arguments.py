@@ -11,6 +11,12 @@ def test_misspelt_option(refused, zigzag, fitted):
     refused(2, ["identify", zigzag, *fitted, "--estimat", "K"], "--estimat", "--estimate", "identify --help")
 
 
+def test_argument_too_many(refused):
+    refused(
+        2, ["simulate", "nomoto", "--ship", "zeefakkel", "zigzag:20/20"], "(zigzag:20/20). See shipid simulate --help."
+    )
+
+
 def test_model_is_asked_for(refused, zigzag):
     refused(2, ["identify", zigzag], "'--model'", "shipid identify --help")
     refused(2, ["identify", "--model", "nomoto"], "TRIAL")

@@ -162,7 +162,7 @@ def _refuse(error: click.ClickException) -> int:
     if context is None or message.startswith("Usage:"):
         click.echo(message, err=True)
     else:
-        say(f"{message} See {context.command_path} --help.")
+        say(f"{message}{'' if message.endswith(('.', '?', '?)')) else '.'} See {context.command_path} --help.")
     return error.exit_code
 
 
