@@ -347,7 +347,7 @@ class Fit(DrawnResult):
         found = []
         if not self.converged:
             found.append(Notice(f"the search did not converge: {self.message}", "not-converged", serious=True))
-        withheld = any(e.withheld for e in self.parameters.values())
+        withheld = next((e.why for e in self.parameters.values() if e.withheld), None)
         found += unexplained_notices(self.fitted, self.identified.scale.unit_time, withheld)
         found += astern_notices(self.model, self.fitted)
         for c in (*self.fitted, *self.validation):

@@ -19,7 +19,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
 from shipid.identification.evidence.bias_spread import BiasSpread
-from shipid.identification.evidence.explained import least_unexplained, nothing_explained
+from shipid.identification.evidence.explained import COURSE_KEPT, UNEXPLAINED, least_unexplained, nothing_explained
 from shipid.identification.evidence.load_part import LoadPart, weigh_load_part
 from shipid.identification.evidence.marginal_likelihood import Weighing, conclude
 from shipid.identification.fit import Fit
@@ -48,7 +48,7 @@ from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.trials.doctor.autopilot_steers import autopilot_steers
+from shipid.trials.doctor.autopilot_steers import autopilot_steers, course_is_kept
 from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.logs.reading import Trials, trials_of
 from shipid.trials.trial import Trial
@@ -311,10 +311,10 @@ def _result(
     fitted = fitted_comparisons(problem, solution.q, records, length, covariance.matrix)
     # Where disturbances are part of the model, they may move the ship more than her rudder does: the coefficients are then as
     # sure as their intervals say, and the run with the rudder alone is not their measure.
-    if not _told_apart(solution, used, parameters) and nothing_explained(
-        least_unexplained(fitted, setting.scale.unit_time)
-    ):
-        parameters = without_values(parameters, "the model explains nothing of how the ship moved in these trials.")
+    least = least_unexplained(fitted, setting.scale.unit_time)
+    unexplained = nothing_explained(least) and not _told_apart(solution, used, parameters)
+    if (kept := all(course_is_kept(t) for t in records)) or unexplained:
+        parameters = without_values(parameters, COURSE_KEPT if kept else UNEXPLAINED)
         unseen = list(problem.estimated)
         block, correlation = np.diag(np.full(shared, np.inf)), np.eye(shared)
     trials = [data.trial for data in problem.trials]

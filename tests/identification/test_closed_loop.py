@@ -57,24 +57,28 @@ def test_gusts_that_move_the_ship_more_than_her_rudder_leave_honest_intervals(st
     assert "note      Disturbances turned the ship more than her rudder did" in fit.text()
 
 
-def test_a_kept_course_gives_no_number(study):
-    (trial,) = study.records(0.0, 1)
-    fit = shipid.identify("nomoto", [trial], starts=1)
-    assert all(e.value is None for e in fit.parameters.values())
-    assert any(n.kind == "not-determined" and n.serious for n in fit.warnings)
+@pytest.fixture(scope="module")
+def kept(study):
+    """Records in which the course is kept; slow gusts push the heading farther off in each."""
+    return study.records(0.0, 3)
+
+
+def test_a_kept_course_gives_no_number(kept):
+    """Prediction error finds K 0.0034 ± 0.0031 in the last one, where 0.08 is right."""
+    fit = shipid.identify("nomoto", [kept[-1]], starts=1)
+    assert all(e.value is None and "the course is kept" in e.why for e in fit.parameters.values())
+    (notice,) = fit.warnings
+    assert notice.kind == "not-determined" and notice.serious and "Change the course" in str(notice)
 
 
 def _serious(fit):
     return {f.finding.kind for f in shipid.assess(fit, bands=False).assessment.findings if f.finding.serious}
 
 
-def test_course_keeping_is_named_and_stays_serious(study):
-    (trial,) = study.records(0.0, 1)
-    found = {f.kind: f for f in shipid.check_trial(trial).findings}
-    assert (
-        found["course-keeping"].serious
-        and "nothing but disturbances moves the rudder" in found["course-keeping"].message
-    )
+def test_course_keeping_is_named_and_stays_serious(study, kept):
+    for trial in kept:
+        found = {f.kind: f for f in shipid.check_trial(trial).findings}["course-keeping"]
+        assert found.serious and "nothing but disturbances moves the rudder" in found.message
     for step in (5.0, 20.0):
         (changed,) = study.records(step, 1)
         assert "course-keeping" not in {f.kind for f in shipid.check_trial(changed).findings}

@@ -14,6 +14,9 @@ from shipid.trials.speed import astern_from
 
 #: Error of a motion, in shares of its standard deviation, from which a prediction explains nothing: more than 60 % of the power is left.
 NOTHING_EXPLAINED = 0.8
+#: Why no coefficient of a fit is determined.
+UNEXPLAINED = "the model explains nothing of how the ship moved in these trials."
+COURSE_KEPT = "the course is kept in these trials: nothing but disturbances moves the rudder, and no method tells what it does from what they do."
 #: Kinds of the notices.
 NOT_DETERMINED, MOSTLY_DISTURBED, ASTERN = "not-determined", "mostly-disturbances", "goes-astern"
 #: Motions that are looked at. A heading without a pattern is explained by a rudder bias, which makes a straight line of it.
@@ -66,8 +69,8 @@ def not_determined(who: str, least: float) -> Notice:
     )
 
 
-def unexplained_notices(fitted: Sequence[Comparison], unit_time: float, withheld: bool) -> list[Notice]:
-    """Return what has to be said where a run with the recorded rudder explains nothing; empty where it does.
+def unexplained_notices(fitted: Sequence[Comparison], unit_time: float, withheld: str | None) -> list[Notice]:
+    """Return what has to be said where a run with the recorded rudder explains nothing, or the course is kept; else empty.
 
     Parameters
     ----------
@@ -75,9 +78,14 @@ def unexplained_notices(fitted: Sequence[Comparison], unit_time: float, withheld
         The fitted trials.
     unit_time : float
         L/U in s.
-    withheld : bool
-        Whether the coefficients are withheld for it.
+    withheld : str or None
+        Why the coefficients are withheld, where they are.
     """
+    if withheld == COURSE_KEPT:
+        words = (
+            f"Not determined: {COURSE_KEPT} Change the course a few times, by 10 degrees and more, or sail a zig-zag."
+        )
+        return [Notice(words, NOT_DETERMINED, serious=True)]
     least = least_unexplained(fitted, unit_time)
     if least is None or not nothing_explained(least):
         return []

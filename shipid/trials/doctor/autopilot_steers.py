@@ -1,4 +1,4 @@
-"""Whether an autopilot steers a trial against disturbances: then output error is biased, and prediction error is not."""
+"""Whether an autopilot steers a trial against disturbances: output error is then biased, and of a kept course every method is."""
 
 from __future__ import annotations
 
@@ -29,14 +29,30 @@ def autopilot_steers(trial: Trial) -> Finding | None:
     Finding or None
         None where the orders are steps, as of a zig-zag or a turn, or the rudder explains nearly all of the turning.
     """
+    return next((f for f in _steering(trial) if f.kind == "closed-loop" and f.spoils), None)
+
+
+def course_is_kept(trial: Trial) -> bool:
+    """Return whether the doctor is sure that nothing but disturbances moves the rudder of a trial.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    """
+    return any(f.kind == "course-keeping" for f in _steering(trial))
+
+
+def _steering(trial: Trial) -> list[Finding]:
+    """What the doctor is sure of in how a trial is steered."""
     copy = WorkingCopy(from_trial(trial).record)
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a fit through too few samples says so in its result
         for examination in (examine_wrap, examine_missing, examine_movement, examine_closed_loop):
             if len(copy) < 4:
-                return None
+                return []
             try:
                 examination(copy)
             except np.linalg.LinAlgError:
-                return None
-    return next((f for f in copy.findings if f.kind == "closed-loop" and f.spoils and f.confidence >= SURE), None)
+                return []
+    return [f for f in copy.findings if f.confidence >= SURE]

@@ -17,7 +17,7 @@ _DETERMINED = 0.9
 _KEPT = 0.9
 """From this share of the rudder explained by heading and rate of turn on, no order to change the course is left in it."""
 _CHANGED = np.deg2rad(10)
-"""A heading that moves by more than this was ordered to: of one long change of course the same law explains nearly all."""
+"""A heading that moves by more than this, and does not come back, was ordered to: the same law explains nearly all of one long change."""
 _AT_LIMIT, _SELDOM = 0.97, 0.25
 """A rudder at this share of its largest angle may stand at its limit; a zig-zag does so for more of the time than this share."""
 
@@ -58,7 +58,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
         "Sail a zig-zag or a turn for it, or identify with --method prediction-error, which models the disturbance.", spoils=disturbed,
     )  # fmt: skip
     kept = _share_of_feedback(signals)
-    if disturbed and kept > _KEPT and _swing(signals) < _CHANGED:
+    if disturbed and kept > _KEPT and _wanders(signals):
         p.add(
             "course-keeping", name, robust.confidence_of(kept, 0.85, 0.95),
             f"heading and rate of turn alone explain {percent(kept)} of the rudder angle: the course is kept, and nothing but disturbances moves "
@@ -100,10 +100,15 @@ def _free(signals: Signals, constant: float) -> np.ndarray:
     return after
 
 
-def _swing(signals: Signals) -> float:
-    """Range of the heading in rad, a few samples on either end of it left out."""
-    low, high = np.quantile(robust.integral(signals.t, signals.r), [0.01, 0.99])
-    return float(high - low)
+def _wanders(signals: Signals) -> bool:
+    """Whether the heading moves little, or comes back to where it was; a few samples on either end of it are left out."""
+    heading = robust.integral(signals.t, signals.r)
+    low, high = np.quantile(heading, [0.01, 0.99])
+    if high - low < _CHANGED:
+        return True
+    off = heading - 0.5 * (low + high)
+    side = np.sign(off[np.abs(off) > 0.1 * (high - low)])
+    return int(np.count_nonzero(np.diff(side))) > 1
 
 
 def _share_of_feedback(signals: Signals) -> float:
