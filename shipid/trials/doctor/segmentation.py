@@ -8,7 +8,7 @@ from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.findings import Stretch
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.filling import GAP
-from shipid.trials.signals.plates import Plate, held_angle
+from shipid.trials.signals.plates import Plate, reached_angle
 from shipid.trials.signals.series import smoothed
 
 _LEAST = np.radians(1.5)
@@ -22,6 +22,12 @@ _LARGEST = np.radians(60.0)
 
 _ALIKE = 0.3
 """Orders are given at one heading where they are this share of it apart."""
+
+_TURNED_BACK = 0.4
+"""A rudder that comes this far on its way to its first plate, at least, is reversed on it."""
+
+_TIP = 0.3
+"""Share of such a stretch at which the rudder is near its largest angle: 0.4 of two ramps."""
 
 _STRAIGHT = 0.1
 """Shares of a plate's angle by which a rudder on its way to the other side stays near a straight line, however slow its gear."""
@@ -83,7 +89,7 @@ def _held(t: np.ndarray, delta: np.ndarray) -> list[Plate]:
             if b - a < 3:
                 continue
             level = sign * delta[a:b]
-            angle = held_angle(level[level >= 0.5 * level.max()])
+            angle = reached_angle(level[level >= 0.5 * level.max()])
             # The stretch proper: where the rudder is at least half over.
             over = np.flatnonzero(level >= 0.5 * angle)
             first, last = int(a + over[0]), int(a + over[-1]) + 1
@@ -105,7 +111,9 @@ def _chains(held: list[Plate], t: np.ndarray, delta: np.ndarray) -> list[list[Pl
             # What is not recorded is no pause, as long as no other plate fits into it.
             gap = float(apart.max()) if float(apart.max()) > GAP * usual else 0.0
             pause = t[plate.first] - t[before.last - 1] - (gap if gap < shorter + 2 * usual else 0.0)
-            alike = 0.6 < abs(plate.angle / before.angle) < 1.7
+            # Before its first plate is reached, slow gear may be reversed already.
+            least = _TURNED_BACK if len(chains[-1]) == 1 else 0.6
+            alike = least < abs(before.angle / plate.angle) < 1.7
             # Slow gear takes long from one side to the other, and does not rest amidships.
             over = slice(before.last - 1, plate.first + 1)
             off = delta[over] - np.interp(t[over], t[over][[0, -1]], delta[over][[0, -1]])
@@ -132,6 +140,8 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tupl
     if best is None or best[1] - best[0] < 2:
         return []
     plates = chain[best[0] : best[1]]
+    if best[0] == 1 and _turned_back(p, delta, chain[0], plates):
+        plates = chain[: best[1]]
     at = np.array([psi[min(plate.last, len(psi) - 1)] for plate in plates[:-1]]) * plates[0].side
     out, back = at[0::2], at[1::2]
     if len(plates) == 2:
@@ -163,6 +173,15 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tupl
     ]  # fmt: skip
 
 
+def _turned_back(p: WorkingCopy, delta: np.ndarray, first: Plate, plates: list[Plate]) -> bool:
+    """Whether a rudder that came short of its first plate was reversed at the heading at which it is reversed from the others."""
+    if len(plates) < 3 or first.dwell < _TIP:
+        return False
+    at = np.interp([_leaves(p.t, delta, plate) for plate in (first, *plates[:-1])], p.t, p["psi"]) * first.side
+    swing = 0.5 * float(at[0] - at[1])
+    return swing > 0 and max(float(np.ptp(at[0::2])), float(np.ptp(at[1::2]))) < _ALIKE * swing
+
+
 def _heading_change(p: WorkingCopy, delta: np.ndarray, plates: list[Plate], swing: float) -> float:
     """Heading change at the order: where the rudder begins to leave its plate, and not where it is half over."""
     t, psi = p.t, p["psi"]
@@ -176,8 +195,9 @@ def _heading_change(p: WorkingCopy, delta: np.ndarray, plates: list[Plate], swin
 
 def _leaves(t: np.ndarray, delta: np.ndarray, plate: Plate) -> float:
     """When the rudder leaves a plate [s]: the ramp between 0.85 and half of its angle, extended back to the plate."""
-    angle = abs(plate.angle)
     share = plate.side * delta[plate.first : plate.last + 1]
+    # Of a short plate between slow ramps the middle of the third at the top is not the top.
+    angle = max(abs(plate.angle), float(np.quantile(share, 0.9)))
     near = np.flatnonzero(share >= 0.85 * angle)
     if not near.size:
         return float(t[plate.last - 1])

@@ -19,6 +19,7 @@ from shipid.trials.measuring.listing import chosen, manoeuvres_in
 from shipid.trials.measuring.pull_out import measure_pull_out
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.zigzag import ZigZag
+from shipid.trials.measuring.rudder.ends import without_keeping
 from shipid.trials.measuring.rudder.executes import leaves
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.spiral import is_spiral, measure_spiral
@@ -153,6 +154,7 @@ def _detected(trial: Trial, faults: Faults) -> str:
     psi = channel_of(trial, "psi", faults.wrong.get("psi"))
     turning = turning_plate(steering, psi)
     held = regular(plates(steering.channel.y))
+    held = without_keeping(rate_of(steering, held), psi, held) if held else held
     if turning is not None and turning.side * float(np.diff(_heading(steering, psi, turning))[0]) > pi:
         return "zig-zag" if _ordered_by_heading(steering, psi, held) else "turning circle"
     if len(held) >= 2 and _reversed_by_heading(steering, psi, held):

@@ -34,6 +34,9 @@ _STEADY = 0.05
 _NO_COURSE = 0.3
 """One that turns by more than this share of it was on no course at all."""
 
+_GATHERS = 0.05
+"""A ship whose speed changes before the order so fast that it would by this share during the first 90 deg was at no steady speed."""
+
 _DRIVES = 0.5
 """Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
 
@@ -166,6 +169,8 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     if length is not None:
         names = (*_DISTANCES, "steady_diameter", *(f"{n}_still_water" for n in _DISTANCES))
         found |= {f"{n}_ratio": value / length for n in names if (value := found.get(n)) is not None}
+    if moving is not None and approach:
+        notes += _unsteady(moving, when, calm, (quarters[0] or off) - when, approach)
     notes += [*swerved, *over_ground, *turn_notes(late, beside, steering, approach or 0.0)]
     measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
     return TurningCircle(
@@ -220,6 +225,25 @@ def _approach(psi: Channel, when: float, calm: float, rate: float | None) -> tup
     if abs(slope) > _NO_COURSE * rate:
         return [], f"{words}: it was on no course, and distances along and across one say nothing"
     return [f"{words}: distances are along and across its heading there, not a steady course"], ""
+
+
+def _unsteady(moving: Channel, when: float, calm: float, way: float, approach: float) -> list[str]:
+    """Say so where the speed rose or fell before the order: the distances are not those from a steady approach."""
+    before = (moving.t >= when - max(way, 4 * calm)) & (moving.t <= when)
+    if before.sum() < 8:
+        return []
+    t, y = moving.t[before] - when, moving.y[before]
+    if (-t[0] < 2 * calm) or moving.hole(when - 2 * calm, when) is not None:
+        return []
+    slope, level = np.polyfit(t, y, 1)
+    scatter = float(np.std(y - level - slope * t)) / (float(np.std(t)) * np.sqrt(len(t)))
+    if abs(slope) < max(_GATHERS * approach / way, 4 * scatter):
+        return []
+    verb = "rose" if slope > 0 else "fell"
+    return [
+        f"the speed {verb} by {abs(slope) * -t[0]:.2g} m/s in the {-t[0]:.3g} s before the order: advance, transfer and diameter are not those "
+        "of a ship at a steady approach speed"
+    ]
 
 
 def _released(steering: Steering, plate: Plate) -> float:

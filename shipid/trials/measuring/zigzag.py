@@ -15,6 +15,7 @@ from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.instead import propeller_doubts, slowed_down, steered_by_hand
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.doubts import bridges, left_out, others_than, silent_in
+from shipid.trials.measuring.rudder.ends import goes_on_from, turned_back, without_keeping
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.late import SettingOut, late_notes, not_told, setting_out, unseen_by, widened
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
@@ -22,7 +23,7 @@ from shipid.trials.measuring.track import distance_between, over_ground_notes, s
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
-from shipid.trials.signals.plates import Plate, plates, regular
+from shipid.trials.signals.plates import plates, regular
 from shipid.trials.trial import Trial
 
 _WIDTH = 0.03
@@ -143,17 +144,19 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
             "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
         )
     steering = rate_of(steering, held)
+    logged = channel_of(trial, "psi", faults.wrong.get("psi"))
+    held = without_keeping(steering, logged, held)
+    held = [*turned_back(steering, logged, everything, held), *held]
     executes = [leaves(steering, plate) for plate in held[:-1]]
     when = [e.time for e in executes]
     end = steering.after(held[-1])
-    logged = channel_of(trial, "psi", faults.wrong.get("psi"))
     half_period = _half_period([*when, end])
     psi = logged.bridged(_BRIDGED * half_period)
     side = held[0].side
     found = swings(psi.t, psi.y, when, side=side, end=end)
     start = first_execute(steering, held[0])
     if start is not None and (
-        held[0].first == 0 or start[0].time >= when[0] or _goes_on_from(steering, everything, held)
+        held[0].first == 0 or start[0].time >= when[0] or goes_on_from(steering, everything, held)
     ):
         start = None
     at = np.array([heading for _, _, heading in found])
@@ -246,17 +249,6 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
                *not_told(faults.notes(("psi", steering.channel.name, "u", "U")), late, steering.channel.name)),
         **beginning,
     )  # fmt: skip
-
-
-def _goes_on_from(steering: Steering, everything: Sequence[Plate], held: Sequence[Plate]) -> bool:
-    """Whether the zig-zag goes on from a plate like its own, too short or too coarsely sampled to be measured itself."""
-    k = next(i for i, plate in enumerate(everything) if plate.first == held[0].first)
-    before = everything[k - 1] if k else None
-    size = float(np.median([abs(plate.angle) for plate in held]))
-    if before is None or before.side == held[0].side or before.idle > 0.3:
-        return False
-    peak = float(np.abs(steering.channel.y[before.first : before.last]).max())
-    return 0.9 * size < peak < 1.1 * size
 
 
 def _wrong_rudder(trial: Trial, faults: Faults) -> np.ndarray | None:

@@ -8,10 +8,10 @@ import numpy as np
 
 from shipid.trials.checks import STEADY_RUDDER
 
-_DWELL = 0.15
+DWELL = 0.15
 """A plate on which the rudder spends less of its stretch than this is hand steering."""
 
-_IDLE = 0.3
+IDLE = 0.3
 """A plate with more of its stretch amidships than this is no part of a zig-zag: the rudder was not reversed, but let go."""
 
 _LET_GO = 0.5
@@ -82,10 +82,7 @@ def plates(rudder: np.ndarray) -> list[Plate]:
     for first, last in zip(starts, [*starts[1:], len(rudder)]):
         stretch = np.abs(rudder[first:last])
         over_half = stretch[stretch >= 0.5 * stretch.max()]
-        angle = held_angle(over_half)
-        if float(np.mean(np.abs(over_half - angle) <= 0.1 * angle)) < _TIP:
-            # Slow gear turns back as soon as it is there: the plate is the tip of two ramps.
-            angle = float(np.quantile(over_half, 0.97))
+        angle = reached_angle(over_half)
         # After the last plate the rudder may lie amidships for long.
         put = stretch[: int(np.flatnonzero(stretch >= 0.5 * angle)[-1]) + 1]
         dwell = float(np.mean(np.abs(put - angle) <= 0.2 * angle))
@@ -111,6 +108,19 @@ def held_angle(values: np.ndarray) -> float:
     return float(np.median(ordered[k : k + count]))
 
 
+def reached_angle(values: np.ndarray) -> float:
+    """Return the value at which a rudder stays, or the one at which slow gear turns back as soon as it is there.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Rudder angles of one side [rad], those of half of the largest and beyond.
+    """
+    angle = held_angle(values)
+    # The plate may be the tip of two ramps.
+    return float(np.quantile(values, 0.97)) if float(np.mean(np.abs(values - angle) <= 0.1 * angle)) < _TIP else angle
+
+
 def regular(found: list[Plate]) -> list[Plate]:
     """Return the longest run of plates of about the same angle, each held and reversed: the zig-zag without hand steering.
 
@@ -125,7 +135,7 @@ def regular(found: list[Plate]) -> list[Plate]:
     -------
     list of Plate
     """
-    steady = [plate for plate in found if plate.dwell >= _DWELL]
+    steady = [plate for plate in found if plate.dwell >= DWELL]
     if not steady:
         return []
     nominal = _middle(steady)
@@ -137,8 +147,8 @@ def regular(found: list[Plate]) -> list[Plate]:
     best: list[Plate] = []
     run: list[Plate] = []
     for plate in found:
-        fits = plate.dwell >= _DWELL and abs(abs(plate.angle) - sides[plate.side]) <= 0.25 * sides[plate.side]
-        reversed_from = bool(run) and run[-1].idle <= _IDLE and run[-1].side != plate.side
+        fits = plate.dwell >= DWELL and abs(abs(plate.angle) - sides[plate.side]) <= 0.25 * sides[plate.side]
+        reversed_from = bool(run) and run[-1].idle <= IDLE and run[-1].side != plate.side
         run = [] if not fits else [*run, plate] if reversed_from else [plate]
         best = run if len(run) > len(best) else best
     return best

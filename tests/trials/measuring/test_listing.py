@@ -85,7 +85,30 @@ def test_a_zigzag_of_slow_gear_that_turns_far_on_is_no_circle(sailed):
     trial = Trial.from_frame(pd.DataFrame(columns))
     found = measure(trial)
     assert found.title == "zig-zag 35/20"
-    # The first plate is reversed on its way, at 25 deg: the zig-zag begins with the next.
-    np.testing.assert_allclose(np.degrees(found.leading_overshoots[:3]), overshoots[1:4], atol=0.3)
+    # The first plate is reversed on its way, at 25 deg.
+    assert found.first_side == "starboard"
+    np.testing.assert_allclose(np.degrees(found.leading_overshoots[:4]), overshoots[:4], atol=0.3)
     assert [m.kind for m in check_trial(trial).manoeuvres if m.kind in ("turn", "zigzag")] == ["zigzag"]
     assert measure(trial.window(0.0, 500.0)).title == "zig-zag 35/20"
+
+
+def test_a_gear_so_slow_that_no_plate_is_reached_at_once_is_no_circle(sailed):
+    """35/35 at 0.3 deg/s: the first plate is reversed at 19 deg, the second just as it is reached."""
+    t, psi, delta, *_, overshoots = sailed(switch=35.0, rudder=35.0, rudder_rate=0.3, duration=900.0)
+    trial = Trial.from_frame(pd.DataFrame({"t [s]": t[::100], "psi [deg]": psi[::100], "delta [deg]": delta[::100]}))
+    assert [m.kind for m in check_trial(trial).manoeuvres if m.kind in ("turn", "zigzag")] == ["zigzag"]
+    np.testing.assert_allclose(np.degrees(measure(trial).leading_overshoots[:2]), overshoots[:2], atol=1.0)
+
+
+def test_rough_course_keeping_after_a_zigzag_is_no_part_of_it(sailed):
+    """From 219 s on the rudder is put over to either side at other headings: six reversals were counted for four."""
+    t, psi, delta, _, orders, _ = sailed()
+    t, psi, delta = t[t < 262][::50], psi[t < 262][::50] - 350.0, delta[t < 262][::50]
+    after = np.arange(262.0, 340.0, 0.5)
+    kept = np.where((after - 262) // 13 % 2 == 0, -20.0, 20.0)
+    columns = {
+        "t [s]": np.append(t, after), "psi [deg]": np.append(psi, psi[-1] * np.cos(2 * np.pi * (after - 262) / 26) * np.exp(-(after - 262) / 30)),
+        "delta [deg]": np.append(delta, kept),
+    }  # fmt: skip
+    found = measure(Trial.from_frame(pd.DataFrame(columns)))
+    assert found.executes == pytest.approx(orders[1 : 1 + len(found.executes)], abs=0.1) and len(found.executes) == 4

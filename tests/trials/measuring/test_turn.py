@@ -231,3 +231,19 @@ def test_a_turn_out_of_a_turn_has_no_course():
         and found.reasons["advance_still_water"] == found.reasons["advance"]
     )
     assert found.times[0] is not None
+
+
+@pytest.mark.parametrize(
+    ("gain", "said"),
+    [(0.02, "the speed rose by 0.4 m/s in the 20 s before"), (-0.02, "the speed fell by"), (0.001, "")],
+)
+def test_a_turn_from_no_steady_speed_is_told(gain, said):
+    """A ship that gathers speed goes a tenth farther than from a steady approach."""
+    t = np.arange(0.0, 200.0, 0.5)
+    speed, psi = 8.0 + gain * t, 0.04 * np.clip(t - 20.0, 0.0, None)
+    frame = pd.DataFrame({
+        "t [s]": t, "psi [deg]": np.degrees(psi), "u [m/s]": speed, "delta [deg]": np.clip(3.0 * (t - 20.0), 0.0, 35.0),
+        "x [m]": np.cumsum(speed * np.cos(psi)) * 0.5, "y [m]": np.cumsum(speed * np.sin(psi)) * 0.5,
+    })  # fmt: skip
+    told = [str(note) for note in measure(Trial.from_frame(frame)).notes if "steady approach speed" in str(note)]
+    assert told[0].startswith(said) if said else not told

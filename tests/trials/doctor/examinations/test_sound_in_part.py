@@ -249,3 +249,12 @@ def test_a_channel_whose_squares_vanish_or_overflow_is_examined(simulated, name,
     record = shipid.Trial.from_frame(pd.DataFrame(log), units=units)
     with np.errstate(all="ignore"):
         assert check_trial(record).findings is not None
+
+
+@pytest.mark.parametrize("sampling", ["1 s", "2 s"])
+def test_a_coarse_zigzag_of_a_nimble_ship_is_no_closed_loop(sampling):
+    """A filter as wide as the time from one order to the next made waves of the steps, and they follow the heading."""
+    assert (
+        "closed-loop"
+        not in check_trial(shipid.simulate("nomoto", "zeefakkel", "zigzag:10/10", sampling=sampling)).kinds
+    )

@@ -8,6 +8,7 @@ from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.delay import answer_to
 from shipid.trials.doctor.examinations.steering.filtered import Signals, filtered, regular_signals, settled, squares
+from shipid.trials.doctor.examinations.steering.rudder import executes
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _FOLLOWS = 0.45
@@ -20,6 +21,13 @@ _CHANGED = np.deg2rad(10)
 """A heading that moves by more than this, and does not come back, was ordered to: the same law explains nearly all of one long change."""
 _AT_LIMIT, _SELDOM = 0.97, 0.25
 """A rudder at this share of its largest angle may stand at its limit; a zig-zag does so for more of the time than this share."""
+
+_WIDTHS = (3, 6, 12, 24)
+"""Time constants of the filter in samples."""
+_BRISK = 0.2
+"""A rudder that is put over takes less than this share of the time until it is put over again."""
+_BESIDE = 0.4
+"""Such a filter is shorter than this share of that time."""
 
 
 def examine_closed_loop(p: WorkingCopy) -> None:
@@ -36,9 +44,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
     signals = regular_signals(p, name)
     if signals is None:
         return
-    share, stiffness, damping = max(
-        (_law(signals, width * signals.step) for width in (3, 6, 12, 24)), default=(0.0, 0.0, 0.0)
-    )
+    share, stiffness, damping = max(_law(signals, width * signals.step) for width in _widths(signals))
     if share < _FOLLOWS:
         return
     answer = answer_to(p, name)
@@ -67,6 +73,18 @@ def examine_closed_loop(p: WorkingCopy) -> None:
             "if the disturbance is exactly what the method takes it for.",
             "Change the course a few times, by 10 degrees and more: the orders move the rudder by themselves.",
         )  # fmt: skip
+
+
+def _widths(signals: Signals) -> list[int]:
+    """Widths of the filter in samples; where the rudder is put over in steps, short beside the time from one to the next.
+
+    A wider filter makes a wave of the steps of a zig-zag, and that follows the heading.
+    """
+    start, length, _ = executes(signals.delta)
+    apart = np.diff(start)
+    stepped = apart.size > 2 and float(np.median(length[1:] / apart)) < _BRISK
+    longest = _BESIDE * float(np.median(apart)) if stepped else np.inf
+    return [width for width in _WIDTHS if width <= max(longest, _WIDTHS[0])]
 
 
 def _law(signals: Signals, constant: float) -> tuple[float, float, float]:
