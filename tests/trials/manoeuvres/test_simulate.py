@@ -330,6 +330,12 @@ def test_a_turn_that_no_ship_makes(model: str, ship: str, manoeuvre: str, values
         sail(manoeuvre, model=model, ship=ship, values=values)
 
 
+def test_water_too_shallow_for_a_model_is_not_sailed_with_less_rudder_either() -> None:
+    said = "less than 1.2 draughts deep.*, 0 s after the start. No manoeuvre is within its range so: state another value"
+    with pytest.raises(NotSailedError, match=said):
+        sail("turn:5", model="mmg-shallow", ship="kvlcc2", values={"depth": "24 m"}, duration="60 s")
+
+
 def test_the_part_before_is_sailed() -> None:
     """A shorter duration keeps the run within the range of the model, as the message says."""
     trial = sail("turn:30", values={"K_u": "0.9"}, duration="150 s")
