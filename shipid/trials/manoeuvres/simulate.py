@@ -171,7 +171,8 @@ def simulate(
     reading = dict(zip(there, shown_by(whole, there))) | ({"delta": logged} if "delta" in there else {})
     columns_shown = list(reading.values())
     simulator = make_simulator(whole, columns_shown, hold="zero", compiled=False)
-    run = simulator(t, known, acting, {"u": u0, "psi": course})
+    # A compass that follows late has reached the heading of the approach.
+    run = simulator(t, known, acting, {"u": u0, "psi": course, "psi_behind": course})
     if run.departure is not None:
         steered = {"delta": run[logged]}
         remedy = "Less rudder, or a shorter duration, keeps it within its range."

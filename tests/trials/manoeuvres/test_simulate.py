@@ -20,7 +20,7 @@ from shipid import (
 )
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
-from shipid.models import DeKeizer, PlanarMotion, VanLeeuwenSway, WaveMoment
+from shipid.models import DeKeizer, FaultyCompass, PlanarMotion, VanLeeuwenSway, WaveMoment
 from shipid.parameters.parameter_set import Value
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -184,6 +184,14 @@ def test_waves_move_a_model_that_has_their_moment() -> None:
     assert np.std(ahead["r"]) < 0.02 * np.std(quarter["r"])
     with pytest.raises(UnitError, match="significant height of the waves needs the unit m"):
         at("0.5 deg from 45 deg")
+
+
+def test_a_compass_that_lags_begins_on_the_heading_of_the_approach() -> None:
+    """It began at north, and its first samples came from there as a jump of the heading."""
+    model = join("late compass", DeKeizer, VanLeeuwenSway, PlanarMotion, FaultyCompass)
+    late = {"psi_offset": "2 deg", "tau_compass": "3 s"}
+    shown = simulate(model, "soesterberg", "zigzag:10/10", heading="120 deg", values=late, duration="10 s", sampling="1 s")
+    np.testing.assert_allclose(shown["psi"], 122 * DEG, atol=1e-9)
 
 
 def test_wind_turns_the_ship() -> None:
