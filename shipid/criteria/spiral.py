@@ -106,16 +106,17 @@ def spiral_of(
     if r.size < 3 or r_port.size < 3:
         return None
     neutral = float(delta[0])
-    folds = [_fold(r, delta - neutral), _fold(-r_port, neutral - delta_port)]
-    returns = [_return(r, delta - neutral), _return(-r_port, neutral - delta_port)]
     stable = bool(delta[1] > neutral and delta_port[1] < neutral)
+    # A curve that rises at zero has no loop there; where it falls later, the model runs away from a hard turn.
+    folds = [0.0] if stable else [_fold(r, delta - neutral), _fold(-r_port, neutral - delta_port)]
+    returns = [_return(r, delta - neutral), _return(-r_port, neutral - delta_port)]
     heights = [h for h in returns if h is not None]
     return Spiral(
         np.concatenate([r_port[:0:-1], r]),
         np.concatenate([delta_port[:0:-1], delta]),
         stable,
         sum(folds),
-        sum(heights) if len(heights) == 2 else None,
+        0.0 if stable else sum(heights) if len(heights) == 2 else None,
     )
 
 

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
 from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.declaration.component import Component
+from shipid.declaration.model import Model
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice, notice_of
+from shipid.parameters.parameter_set import ParameterSet
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.wheel_over import heading_on
-from shipid.prediction.predict_track import prediction_of
+from shipid.prediction.predict_track import piloted, prediction_of
 from shipid.prediction.prediction import Prediction
 from shipid.prediction.routes.route import Route
 from shipid.prediction.routes.route_plan import plan_of
@@ -33,8 +37,8 @@ _TURNING = 0.02
 
 
 def predict_route(
-    pilot: Autopilot,
-    situation: Situation | Mapping[str, float],
+    pilot: Autopilot | Model | type[Component] | str,
+    situation: Situation | Mapping[str, float] | ParameterSet | str | Path,
     route: Route,
     *,
     origin: tuple[float, float] | None = None,
@@ -50,10 +54,11 @@ def predict_route(
 
     Parameters
     ----------
-    pilot : Autopilot
-        The autopilot that steers the ship, with her steering machine.
-    situation : Situation or mapping of str to float
-        What is known of her, SI. Without a position she begins at the first waypoint, on the first leg.
+    pilot : Autopilot, or Model, component class or str
+        The autopilot that steers the ship, with her steering machine; or a model, for which one is designed by default.
+    situation : Situation or mapping of str to float, or ParameterSet, str or Path
+        What is known of her, SI; beside a model its ship, at her own speed. Without a position she begins at the first waypoint, on
+        the first leg.
     route : Route
         The route.
     origin : tuple of float, optional
@@ -83,6 +88,10 @@ def predict_route(
     UnstatedInputError
         If the model reads an input that nothing states and that declares no default.
     """
+    begins = not isinstance(pilot, Autopilot)
+    pilot, situation = piloted(pilot, situation)
+    if begins:
+        source, situation = "the first waypoint", {"u": pilot.own_speed, "r": 0.0}
     if pilot.mode != "course":
         raise UsageError("an autopilot that holds a rate of turn steers no route: design one that holds a course.")
     told = [*warnings, *map(notice_of, route.notes)]

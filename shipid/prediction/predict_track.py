@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.design.design_autopilot import design_autopilot
+from shipid.declaration.component import Component
+from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
+from shipid.parameters.catalogue import ship_of
+from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond_in_run
 from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_over
 from shipid.prediction.prediction import Prediction
@@ -21,8 +28,8 @@ from shipid.prediction.tracks.track_run import cruise_of
 
 
 def predict_track(
-    pilot: Autopilot,
-    situation: Situation | Mapping[str, float],
+    pilot: Autopilot | Model | type[Component] | str,
+    situation: Situation | Mapping[str, float] | ParameterSet | str | Path,
     *,
     heading: str | float | None = None,
     rudder: str | float | None = None,
@@ -41,10 +48,11 @@ def predict_track(
 
     Parameters
     ----------
-    pilot : Autopilot
-        The autopilot that steers her, with the ship and its steering machine.
-    situation : Situation or mapping of str to float
-        What is known of her; ``psi`` and ``u`` at least, SI.
+    pilot : Autopilot, or Model, component class or str
+        The autopilot that steers her, with the ship and its steering machine; or a model, for which one is designed by default.
+    situation : Situation or mapping of str to float, or ParameterSet, str or Path
+        What is known of her; ``psi`` and ``u`` at least, SI. Beside a model its ship, which begins on a straight course to the north at
+        her own speed.
     heading, rudder, rate : str or float, optional
         The order, see `TrackPredictor.predict`.
     leg : TrackLeg, optional
@@ -67,10 +75,13 @@ def predict_track(
     Raises
     ------
     UsageError
-        If the order, the situation or the horizon is none.
+        If the order, the situation or the horizon is none, or a model stands beside a situation.
     UnstatedInputError
         If the model reads an input that nothing states and that declares no default.
     """
+    if not isinstance(pilot, Autopilot):
+        origin = "a straight course"
+    pilot, situation = piloted(pilot, situation)
     known = situation if isinstance(situation, Situation) else Situation(dict(situation))
     parts = wind_parts(pilot, known, model)
     if model == "own" and band != "none":
@@ -98,6 +109,43 @@ def predict_track(
         band=band,
     )
     return prediction_of(pilot, known, track, horizon, band, origin, told, wheel_over=found)
+
+
+def piloted(
+    pilot: Autopilot | Model | type[Component] | str,
+    situation: Situation | Mapping[str, float] | ParameterSet | str | Path,
+) -> tuple[Autopilot, Situation | Mapping[str, float]]:
+    """Return an autopilot and what is known of its ship, where a model and its ship are given instead.
+
+    Parameters
+    ----------
+    pilot : Autopilot, or Model, component class or str
+        The autopilot; or a model, for which one is designed by default.
+    situation : Situation or mapping of str to float, or ParameterSet, str or Path
+        What is known of the ship; or the ship of the model.
+
+    Returns
+    -------
+    pilot : Autopilot
+    situation : Situation or mapping of str to float
+        Of a ship without a situation: to the north, at her own speed.
+
+    Raises
+    ------
+    UsageError
+        If both do not belong together.
+    """
+    if isinstance(situation, (Situation, Mapping)):
+        if isinstance(pilot, Autopilot):
+            return pilot, situation
+        raise UsageError(
+            "a model is steered by an autopilot: give design_autopilot(model, ship) in its place, or the model's ship in place of "
+            "the situation."
+        )
+    if isinstance(pilot, Autopilot):
+        raise UsageError("an autopilot has its ship: give what is known of her beside it, as in {'psi': 0.0, 'u': 8.0}.")
+    designed = design_autopilot(pilot, ship_of(situation))
+    return designed, {"psi": 0.0, "u": designed.own_speed, "r": 0.0}
 
 
 def prediction_of(

@@ -9,6 +9,7 @@ import pytest
 
 import shipid
 from shipid.prediction.sailing.sail import sail
+from shipid.prediction.situations.trial_situation import logged_inputs
 
 
 @pytest.fixture(scope="module")
@@ -178,3 +179,32 @@ def test_refusals(refused, voyage):
     refused(2, [*ship, "--heading", "60 deg", *waves], "give it in the state")
     refused(2, [*ship, "--heading", "60 deg", "--horizon", "0"], "ship lengths")
     refused(2, [*ship, "--heading", "60 m"], "heading")
+
+
+def test_a_shaft_speed_that_the_trial_records_is_held(call, own_model, own_ship, tmp_path):
+    """It was refused as one that nothing states; one that is stated goes before it."""
+    shaft = '    n = given("1/s", "propeller revolutions")\n    n_0 = constant("1/s", "revolutions of K", default="2 rps")\n'
+    model = own_model(
+        ("import Component,", "import Component, constant,"),
+        ("    K = parameter", shaft + "    K = parameter"),
+        ("self.K * self.delta", "self.K * self.n / self.n_0 * self.delta"),
+    )
+    log = tmp_path / "log.csv"
+    named = (f"{model}:Yaw", "--ship", str(own_ship()))
+    sailed = ("--manoeuvre", "zigzag:10/10", "--noise", "standard", "--duration", "120 s", "--input", "n=2 rps")
+    assert call("simulate", *named, *sailed, "-o", str(log)).code == 0
+    asked = ("predict", *named, "--from", f"{log}@80", "--rudder", "10 deg", "--band", "none", "--json")
+    held, stated = call(*asked), call(*asked, "--input", "n=4 rps")
+    assert held.code == 0 and "n stays at 120 rpm, as it was logged last." in held.out
+    # Twice the revolutions turn her twice as fast in the end.
+    rates = [json.loads(a.out)["prediction"]["track"]["r"]["values"][-1] for a in (held, stated)]
+    assert rates[1] == pytest.approx(2 * rates[0], rel=0.05)
+
+
+def test_a_shaft_speed_that_varied_is_told():
+    model = shipid.find_model("mmg-revolutions")
+    t = np.arange(0.0, 20.0)
+    log = shipid.Trial("log", pd.DataFrame({"t": t, "n": 1.0 + 0.1 * t, "delta": 0 * t, "u": 0 * t + 1}))
+    held, told = logged_inputs(model, log, 10.0)
+    assert held == {"n": 2.0} and "n stays at 120 rpm, as it was logged last; before that it went from 60 rpm to 120" in str(told[0])
+    assert logged_inputs(model, log, 10.0, ["n"]) == ({}, [])

@@ -80,6 +80,14 @@ def test_a_stable_ship_has_no_loop():
     assert (spiral.half_width, spiral.loop_height, spiral.stable) == (0.0, 0.0, True)
 
 
+def test_a_stable_ship_whose_hard_turn_runs_away_has_no_loop() -> None:
+    """A cubic term of the wrong sign, as a fit on gentle zig-zags leaves it: a loop of 152 000 degrees was told."""
+    known = norrbin(1.0)
+    spiral = spiral_of(shipid.find_model("norrbin"), known | {"b3": -known["b3"]}, U, L)
+    assert spiral.rudder[-1] < -1.0
+    assert (spiral.half_width, spiral.loop_height, spiral.stable) == (0.0, 0.0, True)
+
+
 def test_sway_and_speed_take_part_in_the_steady_state():
     """De Keizer's turn obeys H(r*) = K delta whatever speed it loses, so that the loop is the same."""
     model = shipid.find_model("de-keizer")

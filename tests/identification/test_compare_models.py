@@ -73,6 +73,16 @@ def test_a_single_trial_predicts_itself_by_halves(cubic_trials):
     assert ranking.warnings[0].kind == "too-poor-to-choose" and "A second trial is missing" in ranking.warnings[0]
 
 
+def test_a_ship_that_goes_astern_is_named_for_a_model_of_one_speed(sail):
+    """The others refuse such a trial: the one that does not see it was chosen, and said to be a firm choice."""
+    trials = [sail("nomoto", "zeefakkel", m, name=m[:8], duration="100 s") for m in ("zigzag:20/20", "zigzag:-10/10")]
+    backing = trials[0].table.assign(u=np.where(trials[0]["t"] < 70, 5.0, -1.5))
+    trials[0] = shipid.Trial("backing", backing[[n for n in backing if n not in "xy"]])
+    found = compare_models(["nomoto"], trials, ship="zeefakkel", starts=1, workers=1)
+    (told,) = [n for n in found.warnings if n.kind == "goes-astern"]
+    assert told.serious and "warning: backing: the ship goes astern from 70 s on, and nomoto knows one speed" in found.text()
+
+
 def test_trials_kept_apart_are_reported_and_do_not_rank(cubic_trials):
     options = {"ship": "zeefakkel", "starts": 1, "workers": 1}
     again = compare_models(["nomoto", "norrbin"], cubic_trials[:2], validate=cubic_trials[2:], **options)

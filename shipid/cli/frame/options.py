@@ -29,15 +29,15 @@ _SET = "Replace a value of the ship, with its unit: L='45 m', a coefficient, or 
 LEVELS = "'psi=0.2 deg,r=0.02 deg/s'"
 
 
-def model_given(name: str, inputs: Mapping[str, str] | None = None) -> Model:
+def model_given(name: str, inputs: Mapping[str, str | float] | None = None) -> Model:
     """Return the model of a command, the inputs held that its ``--input`` states.
 
     Parameters
     ----------
     name : str
         A model's name, or path/to/file.py:Class.
-    inputs : mapping of str to str, optional
-        By input, with units.
+    inputs : mapping of str to str or float, optional
+        By input, with units or in SI.
     """
     from shipid.parameters.catalogue import find_model
     from shipid.parameters.held_inputs import hold_inputs

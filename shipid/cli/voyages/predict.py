@@ -22,7 +22,7 @@ from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from shipid.autopilot.design.autopilot import Autopilot
     from shipid.foundation.notices import Notice
@@ -121,11 +121,11 @@ def predict(
     if route is None and not ordered:
         raise UsageError("predict needs an order: --heading, --rudder, --rate or --route. See shipid predict --help.")
     plan = None if route is None else read_route(route)
-    pilot = _pilot(model, ship, schedule, values, inputs)
     with delivery.progress() as tell:
-        situation, origin, told, trial = _situation(
-            pilot, begin, current, wind, waves, format_, tell, on_route=plan is not None
-        )
+        trial, at, held, noted = _record(model, begin, format_, inputs, tell)
+        pilot = _pilot(model, ship, schedule, values, {**inputs, **held})
+        situation, origin, told = _situation(pilot, begin, trial, at, current, wind, waves, tell, on_route=plan is not None)
+        told = [*told, *noted]
         place = _origin(plan, trial)
         # A chart that cannot be drawn is told before the work is done.
         below = None if chart is None else read_chart(chart, _known(place))
@@ -167,7 +167,9 @@ def predict(
     )
 
 
-def _pilot(model: str, ship: str, schedule: str | None, values: dict[str, str], inputs: dict[str, str]) -> Autopilot:
+def _pilot(
+    model: str, ship: str, schedule: str | None, values: dict[str, str], inputs: Mapping[str, str | float]
+) -> Autopilot:
     """The autopilot: of the schedule, on the model and the ship of the command line; or one by the defaults of ``shipid tune``."""
     from dataclasses import replace
 
@@ -186,25 +188,29 @@ def _pilot(model: str, ship: str, schedule: str | None, values: dict[str, str], 
 def _situation(
     pilot: Autopilot,
     begin: str | None,
+    trial: Trial | None,
+    at: float | None,
     current: str | None,
     wind: str | None,
     waves: str | None,
-    format_: str | None,
     tell: Callable[[str], object],
     *,
     on_route: bool,
-) -> tuple[Situation | dict[str, float], str, list[Notice], Trial | None]:
+) -> tuple[Situation | dict[str, float], str, list[Notice]]:
     from shipid.foundation.errors import UsageError
+    from shipid.prediction.following.past_predictions import situation_with_past
     from shipid.prediction.situations.in_waves import in_waves
     from shipid.trials.manoeuvres.flows import flow_inputs
 
     flows = flow_inputs(current, wind)
-    if begin is not None and "=" not in begin:
+    if trial is not None:
         if current is not None:
             raise UsageError("from a trial the current is estimated: leave --current out.")
         if waves is not None:
             raise UsageError("a trial shows its waves itself: leave --waves out.")
-        return _from_trial(pilot, begin, flows, format_, tell)
+        tell("filtering")
+        known, told = situation_with_past(pilot, trial, at, flows)
+        return known, f"trial {trial.name} at {known.t:.5g} s", told
     # On a route without a state the ship begins at its first waypoint, on the heading that keeps the first leg.
     values = {"u": pilot.own_speed, "r": 0.0, **flows} | ({} if on_route else {"psi": 0.0})
     origin = "the first waypoint" if on_route else "a straight course"
@@ -213,8 +219,7 @@ def _situation(
         read = _state_of(begin, pilot)
         values |= read
         origin = "the state given"
-    known = values if waves is None else in_waves(values, read, waves, pilot.length, pilot.own_speed)
-    return known, origin, [], None
+    return values if waves is None else in_waves(values, read, waves, pilot.length, pilot.own_speed), origin, []
 
 
 def _origin(route: Route | None, trial: Trial | None) -> tuple[float, float] | None:
@@ -257,18 +262,21 @@ def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
     return values
 
 
-def _from_trial(
-    pilot: Autopilot, text: str, flows: dict[str, float], format_: str | None, tell: Callable[[str], object]
-) -> tuple[Situation, str, list[Notice], Trial]:
-    """What the filter of the ship's own model knows at an instant of a trial; nothing later is read."""
+def _record(
+    model: str, begin: str | None, format_: str | None, inputs: dict[str, str], tell: Callable[[str], object]
+) -> tuple[Trial | None, float | None, dict[str, float], list[Notice]]:
+    """The trial that a prediction begins from, its instant, and the inputs that are held as it says; none without a trial."""
     from shipid.foundation.errors import UsageError
-    from shipid.prediction.following.past_predictions import situation_with_past
+    from shipid.parameters.catalogue import find_model
+    from shipid.prediction.situations.trial_situation import logged_inputs
     from shipid.trials.logs.reading import read_trial
 
-    match = re.match(r"^(.+?)(?:@\s*([-+0-9.eE]+)\s*s?)?$", text.strip(), re.DOTALL)
+    if begin is None or "=" in begin:
+        return None, None, {}, []
+    match = re.match(r"^(.+?)(?:@\s*([-+0-9.eE]+)\s*s?)?$", begin.strip(), re.DOTALL)
     if match is None:
         raise UsageError(
-            f"'{text}' is neither a state, as in 'psi=40 deg,u=9 m/s', nor a trial at a time, as in trial.csv@300."
+            f"'{begin}' is neither a state, as in 'psi=40 deg,u=9 m/s', nor a trial at a time, as in trial.csv@300."
         )
     tell("reading")
     trial = read_trial(match.group(1), format=format_)
@@ -276,6 +284,4 @@ def _from_trial(
         at = None if match.group(2) is None else float(match.group(2))
     except ValueError:
         raise UsageError(f"'{match.group(2)}' is no time in s, as in trial.csv@300.") from None
-    tell("filtering")
-    situation, told = situation_with_past(pilot, trial, at, flows)
-    return situation, f"trial {trial.name} at {situation.t:.5g} s", told, trial
+    return trial, at, *logged_inputs(find_model(model), trial, at, inputs)

@@ -23,6 +23,7 @@ from shipid.identification.choice.choosing import (
 )
 from shipid.identification.choice.scoring import MEASURES
 from shipid.identification.evidence.explained import NOT_DETERMINED, not_determined
+from shipid.parameters.validity import BEYOND
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,7 +56,7 @@ class Ranking(DrawnResult):
     lacking : tuple of str
         What the campaign lacks for a choice, in sentences; then the simplest model of those that predict about as well is taken.
     beyond : tuple of Notice
-        Where a trial that was predicted goes beyond those that were fitted.
+        Where a trial that was predicted goes beyond those that were fitted, or its ship astern.
     """
 
     ranks: tuple[Rank, ...]
@@ -223,7 +224,7 @@ class Ranking(DrawnResult):
         lines += [f"  {sentence}" for sentence in self.words]
         if self.best:
             lines.append(f"  to take: {self.best}")
-        lines += [f"  {'beyond' if n in self.beyond else 'warning'}: {n}" for n in self.warnings]
+        lines += [f"  {'beyond' if n.kind == BEYOND else 'warning'}: {n}" for n in self.warnings]
         return "\n".join(lines)
 
     def _head(self, scores: bool = True) -> str:

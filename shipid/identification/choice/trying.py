@@ -15,6 +15,7 @@ from shipid.foundation.notices import Notice
 from shipid.generation.record import make_record
 from shipid.identification.choice.hard_turn import HardTurn, hard_turn
 from shipid.identification.choice.scoring import MEASURES, WORTHLESS, counted_measures, together
+from shipid.identification.evidence.explained import ASTERN
 from shipid.identification.fit import Fit
 from shipid.identification.identified import Identified
 from shipid.identification.identify import identify
@@ -106,7 +107,7 @@ class Tried:
     validation : mapping of str to mapping
         Measures of trials kept apart, from a fit to all the others.
     beyond : tuple of Notice
-        Where a trial that is left out or kept apart goes beyond those that were fitted.
+        Where a trial that is left out or kept apart goes beyond those that were fitted, or its ship astern.
     message : str
         What went wrong on the way.
     predictions : tuple of Comparison
@@ -170,7 +171,7 @@ def try_candidate(candidate: Attempt) -> Tried:
 def _beyond_the_others(fit: Fit, trials: Sequence[Trial], kept_apart: Sequence[Trial]) -> list[Notice]:
     """Where a trial that is predicted goes beyond the rudder angles, rates of turn and drift angles of those that are fitted."""
     model, joint = fit.model, fit.ship.joint.get(fit.model.name)
-    told = [n for n in fit.warnings if n.kind == BEYOND and n.known["quantity"] not in _SIZES]
+    told = [n for n in fit.warnings if n.kind == ASTERN or (n.kind == BEYOND and n.known["quantity"] not in _SIZES)]
     if joint is None:
         return told
     pairs = [(one, [t for t in trials if t is not one]) for one in trials if len(trials) > 1]

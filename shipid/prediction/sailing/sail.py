@@ -161,7 +161,7 @@ def sail(
     if shows:
         recorded |= {"psi": "psi_seen", "r": "r_seen"}
     run = make_simulator(whole, tuple(recorded.values()), hold="zero", compiled=False)(
-        t, known, acting, {"u": u0, "psi": course, "psi_ramp": course}
+        t, known, acting, {"u": u0, "psi": course, "psi_behind": course, "psi_ramp": course}
     )
     if run.departure is not None:
         raise NotSailedError(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
+from shipid.declaration.vocabulary import shown
 from shipid.estimation.by_record import filter_by_record
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.settings.instruments import Amount
@@ -36,6 +37,8 @@ from shipid.trials.trial import Trial
 _LEAST = 10
 #: What a filter may measure, in this order.
 _MEASURED: tuple[str, ...] = ("psi", "r", "u", "v", "x", "y")
+#: What an order is, or takes the place of.
+_STEERED = ("delta", "delta_order", "psi_order", "r_order", "cruise")
 _WIND = ("wind_speed", "wind_direction")
 #: The wind is averaged over the last so many L/U.
 _WIND_MEAN = 3.0
@@ -43,6 +46,45 @@ _WIND_MEAN = 3.0
 _FINEST = 40
 #: Past instants from which the voyage since is predicted, at most.
 _MOST = 40
+
+
+def logged_inputs(
+    model: Model, trial: Trial, at: float | None = None, stated: Collection[str] = ()
+) -> tuple[dict[str, float], list[Notice]]:
+    """Return the inputs that a prediction from a record holds at what the record says last, such as a shaft speed.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    trial : Trial
+        The record.
+    at : float, optional
+        Time in s on its clock; its last sample by default.
+    stated : collection of str
+        Inputs that are stated otherwise.
+
+    Returns
+    -------
+    held : dict of str to float
+        By input, SI: those of the model without a default that the record holds, its motion and its rudder left out.
+    told : list of Notice
+        At what they are held.
+    """
+    held, told = {}, []
+    for name in model.inputs:
+        moved = name in (*_MEASURED, *_STEERED, *stated) or model[name].number("default") is not None
+        if moved or not trial.has(name):
+            continue
+        seen = trial[name][trial["t"] <= (np.inf if at is None else at)]
+        seen = seen[np.isfinite(seen)]
+        if not seen.size:
+            continue
+        held[name] = float(seen[-1])
+        last, least, most = (shown(float(v), name, model[name].unit) for v in (seen[-1], seen.min(), seen.max()))
+        varied = "" if least == most else f"; before that it went from {least} to {most}, and the filter takes it as it is now"
+        told.append(Notice(f"{name} stays at {last}, as it was logged last{varied}.", "input-as-logged", quantity=name))
+    return held, told
 
 
 def known_before(

@@ -28,7 +28,8 @@ def not_reached(pilot: Autopilot, track: PredictedTrack) -> list[Notice]:
     """
     order, most = track.order, pilot.limits.get("delta_max", np.inf)
     told = []
-    for angle, serious in ((order.rudder, True), (order.rudder_limit, False)):
+    limit = order.rudder_limit if order.rudder is None else None  # a rudder that is held has no other limit to tell of
+    for angle, serious in ((order.rudder, True), (limit, False)):
         if angle is not None and abs(angle) > most * (1 + 1e-9):
             told.append(
                 Notice(

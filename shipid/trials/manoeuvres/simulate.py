@@ -171,12 +171,16 @@ def simulate(
     reading = dict(zip(there, shown_by(whole, there))) | ({"delta": logged} if "delta" in there else {})
     columns_shown = list(reading.values())
     simulator = make_simulator(whole, columns_shown, hold="zero", compiled=False)
-    run = simulator(t, known, acting, {"u": u0, "psi": course})
+    # A compass that follows late has reached the heading of the approach.
+    run = simulator(t, known, acting, {"u": u0, "psi": course, "psi_behind": course})
     if run.departure is not None:
         steered = {"delta": run[logged]}
+        remedy = "Less rudder, or a shorter duration, keeps it within its range."
+        if run.departure.time == 0:
+            remedy = "No manoeuvre is within its range so: state another value of the ship, another speed or input, or take another model."
         raise NotSailedError(
             f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
-            f"{run.departure.time:.4g} s after the start. Less rudder, or a shorter duration, keeps it within its range."
+            f"{run.departure.time:.4g} s after the start. {remedy}"
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)

@@ -238,6 +238,7 @@ def test_bands_and_models_that_are_not_known(pilot, predictor, situation):
         ({"psi": 0.0, "u": np.nan}, "'u' is none"),
         ({"psi": 0.0, "u": 0.0}, "makes none"),
         ({"psi": 0.0, "u": -3.0}, "makes none"),
+        ({"psi": 0.0, "u": 5.0, "v": -100.0}, "v = -100 m/s beside u = 5 m/s the ship drifts by more than 45 degrees"),
     ],
 )
 def test_situations_that_are_none(values, says):

@@ -20,7 +20,7 @@ from shipid import (
 )
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
-from shipid.models import DeKeizer, PlanarMotion, VanLeeuwenSway, WaveMoment
+from shipid.models import DeKeizer, FaultyCompass, PlanarMotion, VanLeeuwenSway, WaveMoment
 from shipid.parameters.parameter_set import Value
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -186,6 +186,14 @@ def test_waves_move_a_model_that_has_their_moment() -> None:
         at("0.5 deg from 45 deg")
 
 
+def test_a_compass_that_lags_begins_on_the_heading_of_the_approach() -> None:
+    """It began at north, and its first samples came from there as a jump of the heading."""
+    model = join("late compass", DeKeizer, VanLeeuwenSway, PlanarMotion, FaultyCompass)
+    late = {"psi_offset": "2 deg", "tau_compass": "3 s"}
+    shown = simulate(model, "soesterberg", "zigzag:10/10", heading="120 deg", values=late, duration="10 s", sampling="1 s")
+    np.testing.assert_allclose(shown["psi"], 122 * DEG, atol=1e-9)
+
+
 def test_wind_turns_the_ship() -> None:
     coefficients = {"N_w": "1e-7 rad/m^2", "F_w": "1e-7 1/m^2"}
     blown = sail("zigzag:10/10", values=coefficients, wind=("15 m/s", "60 deg"), sampling="0.25 s")
@@ -328,6 +336,12 @@ def test_a_turn_that_no_ship_makes(model: str, ship: str, manoeuvre: str, values
     """Beyond the range of the model the run stays finite, or does not: either way it is no trial."""
     with pytest.raises(NotSailedError, match=rf"is not sailed by this model \({model}\): {reason}.* s after the start"):
         sail(manoeuvre, model=model, ship=ship, values=values)
+
+
+def test_water_too_shallow_for_a_model_is_not_sailed_with_less_rudder_either() -> None:
+    said = "less than 1.2 draughts deep.*, 0 s after the start. No manoeuvre is within its range so: state another value"
+    with pytest.raises(NotSailedError, match=said):
+        sail("turn:5", model="mmg-shallow", ship="kvlcc2", values={"depth": "24 m"}, duration="60 s")
 
 
 def test_the_part_before_is_sailed() -> None:

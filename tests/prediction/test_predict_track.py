@@ -1,0 +1,32 @@
+"""A track from a model and her ship, without an autopilot and a situation of the user's own; and what an order passes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.foundation.errors import UsageError
+from shipid.prediction.routes.route import Waypoint
+
+
+def test_a_model_and_its_ship_are_enough(pilot):
+    """As in `shipid.simulate`: it was a TypeError."""
+    found = shipid.predict_track("de-keizer", "soesterberg", rudder="10 deg", points=20)
+    same = shipid.predict_track(pilot, {"psi": 0.0, "u": pilot.own_speed, "r": 0.0}, rudder="10 deg", points=20)
+    np.testing.assert_allclose(found.track.x, same.track.x, rtol=1e-12)
+    assert "from a straight course" in found.text()
+
+
+def test_what_does_not_belong_together_is_told(pilot):
+    route = shipid.Route("leg", (Waypoint((0.0, 0.0)), Waypoint((3000.0, 0.0))), geographic=False)
+    for verb, more in ((shipid.predict_track, ()), (shipid.predict_route, (route,))):
+        with pytest.raises(UsageError, match=r"give design_autopilot\(model, ship\) in its place"):
+            verb("de-keizer", {"psi": 0.0, "u": 9.0}, *more)
+        with pytest.raises(UsageError, match="an autopilot has its ship"):
+            verb(pilot, "soesterberg", *more)
+
+
+def test_more_rudder_than_the_ship_has_is_told_once(pilot):
+    told = shipid.predict_track(pilot, {"psi": 0.0, "u": 9.5}, rudder="40 deg", rudder_limit="40 deg", points=20).warnings
+    assert [n.kind for n in told].count("beyond-the-rudder") == 1
