@@ -167,7 +167,9 @@ def test_refusals(refused, voyage):
     refused(2, [*ship, "--heading", "60 deg", "--from", "psi=10 deg,u=0 m/s"], "makes none")
     refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@3"], "too few for a filter")
     refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@9999"], "is not in it")
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@0"], "has 1 samples up to 0 s", "give a later time")
     refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@1.2.3"], "no time in s")
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@noon"], "'noon' is no time in s")
     refused(
         2,
         [*ship, "--heading", "60 deg", "--from", f"{voyage}@300", "--current", "1 kn to 0 deg"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -270,6 +271,15 @@ def _from_trial(
         raise UsageError(
             f"'{text}' is neither a state, as in 'psi=40 deg,u=9 m/s', nor a trial at a time, as in trial.csv@300."
         )
+    tail = text.strip().rpartition("@")[2]
+    if (
+        match.group(2) is None
+        and tail != text.strip()
+        and format_ is None
+        and ":" not in tail
+        and not Path(text).exists()
+    ):
+        raise UsageError(f"'{tail}' is no time in s, as in trial.csv@300.")
     tell("reading")
     trial = read_trial(match.group(1), format=format_)
     try:
