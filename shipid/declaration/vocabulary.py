@@ -216,3 +216,18 @@ def angle(value: float, digits: int = 4) -> str:
         Significant digits.
     """
     return shown(value, "", "rad", digits)
+
+
+def compass(value: float, decimals: int = 1) -> str:
+    """Return a heading, a course or a bearing as three digits and decimals, from 000.0 to 359.9.
+
+    Parameters
+    ----------
+    value : float
+        In rad, any turn of it.
+    decimals : int
+        Digits behind the point.
+    """
+    # Rounded first: 359.97 is 000.0, and no 360.0.
+    degrees = round(float(np.rad2deg(value)), decimals) % 360
+    return f"{degrees:0{4 + decimals if decimals else 3}.{decimals}f}"

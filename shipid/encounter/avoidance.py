@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from shipid.declaration.vocabulary import compass
 from shipid.encounter.errors import TargetError
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
@@ -148,13 +149,12 @@ class Avoidance(Result):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        degrees = np.rad2deg(self.heading) % 360
         side = (
             "as wanted"
             if not self.alteration
             else f"{abs(np.rad2deg(self.alteration)):.0f} deg to " + ("starboard" if self.alteration > 0 else "port")
         )
-        lines = [f"steer {degrees:05.1f} deg, {side}: {'clear of all domains' if self.clear else 'NOT CLEAR'}"]
+        lines = [f"steer {compass(self.heading)} deg, {side}: {'clear of all domains' if self.clear else 'NOT CLEAR'}"]
         lines += [
             f"  {p.name}: {p.distance:.0f} m in {p.t:.0f} s, {p.share:.2f} of her domain"
             + ("" if p.std is None else f", standard deviation {p.std:.0f} m")

@@ -11,6 +11,7 @@ from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
+from shipid.declaration.vocabulary import compass
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice, notice_of
 from shipid.parameters.parameter_set import ParameterSet
@@ -32,6 +33,8 @@ from shipid.trials.manoeuvres.flows import number
 _FAR = 2.0
 #: A ship whose heading is so far off her leg, in rad, does not sail along it.
 _AWAY = np.deg2rad(45.0)
+#: The track begins on another heading than the ship has, in rad.
+_MOVED = np.deg2rad(1.0)
 #: A ship that turns faster than this, as r L/U, is in her turn.
 _TURNING = 0.02
 
@@ -140,6 +143,8 @@ def predict_route(
                 )
             elif found.warning:
                 told.append(Notice(f"wheel-over in {found.time:.0f} s.", "wheel-over-soon", seconds=found.time))
+    if abs(float(turned(at.values["psi"] - known.values["psi"]))) > _MOVED:
+        source = f"{source}, then along her leg"
     track = predictor.predict(at, heading=heading, rudder_limit=limit, horizon=horizon, points=points, band=band)
     return prediction_of(pilot, at, track, horizon, band, source, told, turn=against_plan(turn, track))
 
@@ -152,7 +157,7 @@ def _off_heading(plan: PlannedTrack, leg: int, known: Situation) -> list[Notice]
         return []
     return [
         Notice(
-            f"the ship heads {np.rad2deg(psi) % 360:05.1f} deg, {np.rad2deg(off):.0f} deg off her leg: the wheel-over is that of a ship "
+            f"the ship heads {compass(psi)} deg, {np.rad2deg(off):.0f} deg off her leg: the wheel-over is that of a ship "
             "that sails along it.",
             "off-heading",
             serious=True,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from shipid.declaration.vocabulary import shown, shown_estimate, to_display
+from shipid.declaration.vocabulary import compass, shown, shown_estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.result import DrawnResult, ResultEntry
@@ -113,7 +113,7 @@ class Prediction(DrawnResult):
         said = f"current {shown_estimate(speed, std, 'u')}"
         if std is not None and speed < 2 * std:
             return f"{said}, direction not known"
-        return f"{said} to {np.rad2deg(np.arctan2(east, north)) % 360:03.0f} deg"
+        return f"{said} to {compass(np.arctan2(east, north), 0)} deg"
 
     @property
     def stages(self) -> list[Stage]:
@@ -202,7 +202,7 @@ class Prediction(DrawnResult):
         known = self.situation.values
         lines = [
             f"predicted track of {self.ship} ({self.model}): {self.track.order}",
-            f"  from {self.origin}: heading {np.rad2deg(known['psi']) % 360:05.1f} deg, {shown(known['u'], 'u')}, "
+            f"  from {self.origin}: heading {compass(known['psi'])} deg, {shown(known['u'], 'u')}, "
             f"rate of turn {shown(known.get('r', 0.0), 'r', digits=3)}",
         ]
         if self.current_words is not None:
@@ -214,7 +214,7 @@ class Prediction(DrawnResult):
         heads = ("", "t [s]", "ahead [m]", "aside [m]", "heading [deg]", "speed [m/s]", "95 % band [m]")
         rows = [heads] + [
             (
-                s.what, f"{s.t:.0f}", f"{s.ahead:.0f}", f"{s.aside:.0f}", f"{to_display(s.heading, 'psi') % 360:05.1f}",
+                s.what, f"{s.t:.0f}", f"{s.ahead:.0f}", f"{s.aside:.0f}", compass(s.heading),
                 f"{s.speed:.2f}", "not known" if s.half_width is None else f"± {s.half_width:.0f}",
             )
             for s in self.stages
@@ -247,7 +247,7 @@ def _last_stretch(good: np.ndarray) -> int | None:
 
 
 def _wheel_over_words(found: WheelOver) -> str:
-    heading = f"{np.rad2deg(found.heading) % 360:05.1f} deg"
+    heading = f"{compass(found.heading)} deg"
     if found.due:
         return f"wheel-over to {heading}: passed by {-found.distance:.0f} m"
     soon = ": warning, less than a minute" if found.warning else ""

@@ -168,7 +168,9 @@ def test_refusals(refused, voyage):
     refused(2, [*ship, "--heading", "60 deg", "--from", "psi=10 deg,u=0 m/s"], "makes none")
     refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@3"], "too few for a filter")
     refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@9999"], "is not in it")
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@0"], "has 1 samples up to 0 s", "give a later time")
     refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@1.2.3"], "no time in s")
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@noon"], "'noon' is no time in s")
     refused(
         2,
         [*ship, "--heading", "60 deg", "--from", f"{voyage}@300", "--current", "1 kn to 0 deg"],
@@ -206,5 +208,7 @@ def test_a_shaft_speed_that_varied_is_told():
     t = np.arange(0.0, 20.0)
     log = shipid.Trial("log", pd.DataFrame({"t": t, "n": 1.0 + 0.1 * t, "delta": 0 * t, "u": 0 * t + 1}))
     held, told = logged_inputs(model, log, 10.0)
-    assert held == {"n": 2.0} and "n stays at 120 rpm, as it was logged last; before that it went from 60 rpm to 120" in str(told[0])
+    assert held == {
+        "n": 2.0
+    } and "n stays at 120 rpm, as it was logged last; before that it went from 60 rpm to 120" in str(told[0])
     assert logged_inputs(model, log, 10.0, ["n"]) == ({}, [])

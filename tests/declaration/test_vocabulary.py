@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shipid.declaration import units
-from shipid.declaration.vocabulary import FIELDS, angle, display_unit, label, shown, to_display
+from shipid.declaration.vocabulary import FIELDS, angle, compass, display_unit, label, shown, to_display
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -27,6 +27,12 @@ def test_angles_are_shown_in_degrees_whatever_they_belong_to() -> None:
     assert shown(0.5, "my gain", "1/s") == "0.5 1/s"
     assert shown(0.5, "my number", "1") == "0.5"
     assert angle(math.radians(3.0)) == "3 deg"
+
+
+def test_a_heading_has_three_digits_and_is_never_360() -> None:
+    shown_as = {7.04: "007.0", 359.94: "359.9", 359.96: "000.0", -0.01: "000.0", -90.0: "270.0", 725.0: "005.0"}
+    assert {d: compass(math.radians(d)) for d in shown_as} == shown_as
+    assert compass(math.radians(359.6), 0) == "000" and compass(np.float64(math.radians(45)), 0) == "045"
 
 
 def test_a_label_outside_the_vocabulary_is_the_beginning_of_the_meaning() -> None:

@@ -154,3 +154,21 @@ def test_what_cannot_be_predicted(pilot, route):
         predict_route(replace(pilot, mode="rate"), {"u": 9.5}, route)
     with pytest.raises(UsageError, match="rate of turn steers no route"):
         sail_route(replace(pilot, mode="rate"), route)
+
+
+def test_a_rudder_limit_that_does_not_turn_her_is_no_plan(pilot, route):
+    """In a wind from port a little rudder keeps her on the leg she is on, and the track of that lies well on the plan."""
+    windy = {"x": 500.0, "y": 0.0, "psi": 0.0, "u": 9.5, "r": 0.0, "r_disturbance": -3e-5}
+    found = predict_route(pilot, windy, route, band="none")
+    assert found.turn.wheel_over.distance > 3000 and found.turn.rudder_limit > np.deg2rad(5)
+    assert np.rad2deg(found.track.psi[-1]) == pytest.approx(63.4, abs=1)
+    with pytest.raises(UsageError, match="1 deg of rudder the ship does not come to the heading of the next leg"):
+        predict_route(pilot, windy, route, rudder_limit="1 deg", band="none")
+
+
+def test_a_track_that_begins_on_her_leg_says_so(pilot, route):
+    away = {"x": 500.0, "y": 0.0, "psi": np.deg2rad(-170), "u": 9.5, "r": 0.0}
+    text = predict_route(pilot, away, route, band="none", source="the state given").text()
+    assert "from the state given, then along her leg: heading 000.0 deg" in text
+    text = predict_route(pilot, {**away, "psi": 0.0}, route, band="none", source="the state given").text()
+    assert "from the state given: heading 000.0 deg" in text

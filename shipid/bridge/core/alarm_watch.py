@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from shipid.bridge.core.companions import Recording
 from shipid.bridge.core.route_watch import RouteWatch
 from shipid.bridge.core.source import SampleSource
 from shipid.bridge.own_ship.own_ship import OwnShip
 from shipid.bridge.shown.alarms import AlarmKind, Alarms
+from shipid.declaration.vocabulary import compass
 from shipid.prediction.routes.rtz import MILE
 
 #: The source is stale where nothing was heard in so many seconds after the beginning.
@@ -93,8 +92,8 @@ class AlarmWatch:
             # The turn that was warned of is sailed.
             self._warned = route.leg
             alarms.drop("wheel-over")
-        to = 0.0 if turn is None else math.degrees(turn.heading) % 360
-        alarms.set("wheel-over", due, t, "warning", f"wheel-over to {to:05.1f}° within a minute")
+        to = compass(0.0 if turn is None else turn.heading)
+        alarms.set("wheel-over", due, t, "warning", f"wheel-over to {to}° within a minute")
         alarms.set("route ended", route.finished, t, "caution", "the end of the route is passed")
 
 

@@ -52,15 +52,24 @@ def delta_of(core: BridgeCore, moment: datetime) -> dict[str, Plain]:
         Now.
     """
     own = core.own_ship.to_dict()
-    values = [{"path": path, "value": own[name]} for name, path in _PATHS.items() if own.get(name) is not None]
+    # Whoever reads a new time stamp takes the value as measured: what is carried on without its sensor is not sent.
+    lost = set(own["estimated"]) - ({"v"} if "u" not in own["estimated"] else set())
+    values = [
+        {"path": path, "value": own[name]}
+        for name, path in _PATHS.items()
+        if own.get(name) is not None and name not in lost
+    ]
     for value in values:
         if value["path"] == "navigation.headingTrue":
             value["value"] = number(value["value"] % 6.283185307179586, 7)
-    stamp = moment.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%S.%f")[:-3] + "Z"
     return {
         "context": "vessels.self",
-        "updates": [{"$source": f"shipid.{core.source.kind}", "timestamp": stamp, "values": values}],
+        "updates": [{"$source": f"shipid.{core.source.kind}", "timestamp": _stamp(moment), "values": values}],
     }
+
+
+def _stamp(moment: datetime) -> str:
+    return moment.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%S.%f")[:-3] + "Z"
 
 
 async def signalk_stream(socket: WebSocket, live: RealTime) -> None:
@@ -73,7 +82,13 @@ async def signalk_stream(socket: WebSocket, live: RealTime) -> None:
     live : RealTime
         The running core.
     """
-    hello = {"name": "shipid-bridge", "version": "1.8.2", "self": "vessels.self", "roles": ["main"]}
+    hello = {
+        "name": "shipid-bridge",
+        "version": "1.8.2",
+        "self": "vessels.self",
+        "roles": ["main"],
+        "timestamp": _stamp(datetime.now(UTC)),
+    }
 
     async def send() -> None:
         await socket.send_text(strict_json(hello))

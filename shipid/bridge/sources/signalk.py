@@ -5,6 +5,9 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
 from urllib.parse import urlsplit
 
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState
@@ -28,10 +31,17 @@ _MOST = {
 }  # fmt: skip
 #: A message is no longer than this in bytes; a value no larger than this; seconds until a connection is tried again, from and to.
 _LONGEST, _LARGEST, _AGAIN, _LATEST = 1 << 18, 1e9, 1.0, 10.0
+#: A value that is older by the server's clock is what the server has kept, in s; where nothing else comes for so long the clock is asked again.
+_OLD, _NOTHING_NEW = 5.0, 10.0
+#: The time stamps of so many quantities and their sources are remembered.
+_STAMPS = 1000
 
 
 class SignalKSource:
     """Deltas of a Signal K server.
+
+    A server goes on sending the last value of a sensor that is dead: a value counts where its time stamp is a new one, and not
+    old by the clock that the server greets with, or by this machine's where it says no time.
 
     Parameters
     ----------
@@ -39,6 +49,8 @@ class SignalKSource:
         ``ws://host:port/signalk/v1/stream``, or ``http://host:port`` for that stream of a server.
     origin : tuple of float, optional
         Latitude and longitude in rad of x = y = 0; the first fix by default.
+    clock : callable
+        Returns seconds that never go back.
 
     Raises
     ------
@@ -49,7 +61,9 @@ class SignalKSource:
     kind: SourceKind = "signalk"
     timed = False
 
-    def __init__(self, url: str, origin: tuple[float, float] | None = None) -> None:
+    def __init__(
+        self, url: str, origin: tuple[float, float] | None = None, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         self._url = stream_of(url)
         self._origin = origin
         self._self = "vessels.self"
@@ -58,12 +72,22 @@ class SignalKSource:
         self._foreign: set[str] = set()
         self._connected = False
         self._told: list[str] = []
+        self._clock = clock
+        self._begin()
         self._task: asyncio.Task[None] | None = None
 
     @property
     def state(self) -> SourceState:
         """Lost while there is no connection."""
         return "running" if self._connected else "lost"
+
+    def _begin(self) -> None:
+        """Know nothing of a connection yet."""
+        self._foreign.clear()
+        #: The server's clock less ours; what was said last of a quantity by a source; since when nothing but old values came.
+        self._offset = time.time() - self._clock()
+        self._newest: dict[tuple[str, str], tuple[float, Plain]] = {}
+        self._old_since: float | None = None
 
     async def start(self) -> None:
         """Begin to listen."""
@@ -84,9 +108,11 @@ class SignalKSource:
             try:
                 async with connect(self._url, max_size=_LONGEST, max_queue=16, open_timeout=10) as socket:
                     self._connected, wait = True, _AGAIN
-                    self._foreign.clear()
+                    self._begin()
                     async for message in socket:
                         self.feed(message if isinstance(message, str) else message.decode("utf-8", "replace"))
+                        if self._old_since is not None and self._clock() - self._old_since > _NOTHING_NEW:
+                            break  # The server's clock may have been set: its greeting says.
             except (OSError, WebSocketException) as error:
                 said = why_not_reached(error) or "no connection"
                 self._told = [f"the Signal K server: {said}; it is tried again."]
@@ -111,6 +137,8 @@ class SignalKSource:
             return
         if isinstance(message.get("self"), str):
             self._self = message["self"].removeprefix("urn:")
+            said = _seconds(message.get("timestamp"))
+            self._offset = self._offset if said is None else said - self._clock()
         context = message.get("context", "vessels.self")
         if context not in ("vessels.self", self._self, f"vessels.{self._self}"):
             return
@@ -118,8 +146,32 @@ class SignalKSource:
         for update in updates if isinstance(updates, list) else []:
             values = update.get("values") if isinstance(update, dict) else None
             for entry in values if isinstance(values, list) else []:
-                if isinstance(entry, dict):
+                if isinstance(entry, dict) and self._is_new(update, entry.get("path"), entry.get("value")):
                     self._hear(entry.get("path"), entry.get("value"))
+
+    def _is_new(self, update: dict[str, Plain], path: Plain, value: Plain) -> bool:
+        """Whether a value is news, and not what the server has kept; one without a time stamp is as old as its message."""
+        if not isinstance(path, str) or (path not in _PATHS and path != "navigation.position"):
+            return False
+        stamp, now = _seconds(update.get("timestamp")), self._clock()
+        if stamp is not None and (age := now + self._offset - stamp) > _OLD:
+            self._old_since = now if self._old_since is None else self._old_since
+            self._told = [
+                f"{path} was {age:.0f} s old when it came, by the time stamp {str(update['timestamp'])[:30]}: left out. Look at its "
+                "sensor, and at the clocks of the server and of the sensor."
+            ]
+            return False
+        self._old_since = None
+        if stamp is None:
+            return True
+        key = path, str(update.get("$source", ""))[:100]
+        before = self._newest.get(key)
+        if before is not None and (stamp < before[0] or (stamp, value) == before):
+            return False
+        if len(self._newest) >= _STAMPS:
+            self._newest.clear()
+        self._newest[key] = stamp, value
+        return True
 
     def _hear(self, path: Plain, value: Plain) -> None:
         if path == "navigation.position":
@@ -189,6 +241,17 @@ def stream_of(url: str) -> str:
     if parts.scheme in ("ws", "wss"):
         return url
     return f"{parts.scheme.replace('http', 'ws')}://{parts.netloc}/signalk/v1/stream?subscribe=self"
+
+
+def _seconds(stamp: Plain) -> float | None:
+    """Return the time of a stamp of Signal K in s; None where it is none. One without a zone is of UTC."""
+    try:
+        moment = datetime.fromisoformat(stamp) if isinstance(stamp, str) else None
+    except ValueError:
+        return None
+    if moment is None:
+        return None
+    return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()
 
 
 def _finite(value: Plain) -> float | None:

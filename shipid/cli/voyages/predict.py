@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -124,7 +125,9 @@ def predict(
     with delivery.progress() as tell:
         trial, at, held, noted = _record(model, begin, format_, inputs, tell)
         pilot = _pilot(model, ship, schedule, values, {**inputs, **held})
-        situation, origin, told = _situation(pilot, begin, trial, at, current, wind, waves, tell, on_route=plan is not None)
+        situation, origin, told = _situation(
+            pilot, begin, trial, at, current, wind, waves, tell, on_route=plan is not None
+        )
         told = [*told, *noted]
         place = _origin(plan, trial)
         # A chart that cannot be drawn is told before the work is done.
@@ -278,6 +281,15 @@ def _record(
         raise UsageError(
             f"'{begin}' is neither a state, as in 'psi=40 deg,u=9 m/s', nor a trial at a time, as in trial.csv@300."
         )
+    tail = text.strip().rpartition("@")[2]
+    if (
+        match.group(2) is None
+        and tail != text.strip()
+        and format_ is None
+        and ":" not in tail
+        and not Path(text).exists()
+    ):
+        raise UsageError(f"'{tail}' is no time in s, as in trial.csv@300.")
     tell("reading")
     trial = read_trial(match.group(1), format=format_)
     try:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.declaration.vocabulary import compass
 from shipid.encounter.closest_approach import ClosestApproach
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.ship_path import ShipPath
@@ -168,7 +169,7 @@ class Tracking(DrawnResult):
         )
         spread = float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0)))
         # What may lie still has no course.
-        course = f"{np.rad2deg(one.course[-1]):03.0f}" if one.moves[-1] else "none"
+        course = compass(one.course[-1], 0) if one.moves[-1] else "none"
         return (
             str(one.number), one.status, f"{one.t[0]:.0f}", f"{one.t[-1]:.0f}", f"{one.x[-1, 0]:.0f}", f"{one.x[-1, 1]:.0f}",
             f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{one.speed_std[-1]:.1f}", course, *cpa,

@@ -33,6 +33,8 @@ _SHARES, _TURNED = (0.6, 0.8, 1.0, 1.25, 1.6), np.deg2rad(4.0)
 #: The next turn is worked out from so far before its arc on, in ship lengths; steps of its track a ship length, every so many of
 #: which count; and how much longer than its arc the track is.
 _FROM, _POINTS, _EVERY, _LONGER = 12.0, 15, 8, 1.5
+#: A turn of which more than this share is left at its end is none.
+_ROUND = 0.25
 #: Where no rudder limit is given, the turn is tried with these shares of the largest one.
 _PLANNED = tuple(1.25**-k for k in range(13))
 #: A wheel-over is looked for so far ahead, in ship lengths, and in so many places.
@@ -188,7 +190,7 @@ class TrackPilot:
         Raises
         ------
         UsageError
-            If she is on the last leg, or the current is too strong to keep the next one.
+            If she is on the last leg, the current is too strong to keep the next one, or the rudder limit too small to turn onto it.
         """
         if self.leg + 1 >= len(self.plan.legs):
             raise UsageError("no turn is ahead: the ship is on the last leg of the track.")
@@ -200,6 +202,11 @@ class TrackPilot:
         if self._by_arc and angle > _TURNED:
             limit = self._planned_limit(situation, left)
         track = self._to_next(situation, limit)
+        if not _comes_round(track):
+            raise UsageError(
+                f"with {np.rad2deg(limit):.3g} deg of rudder the ship does not come to the heading of the next leg, so where the wheel goes "
+                "over is not known: allow more rudder, or look at the wind and at the coefficients of the ship."
+            )
         begin, spacing = -_REACH * self.predictor.length, 0.25 * self.predictor.length
         coarse, _ = self._place(track, np.linspace(begin, left, int((left - begin) / spacing) + 2))
         if coarse is None:
@@ -245,7 +252,9 @@ class TrackPilot:
         """The rudder limit with which the next turn stays nearest to its arc, wherever on the rest of the leg it begins."""
         limits = [share * self.rudder_limit for share in _PLANNED]
         ahead = np.linspace(-_REACH * self.predictor.length, left, 3 * _PLACES)
-        costs = [self._place(self._to_next(situation, limit), ahead)[1] for limit in limits]
+        tracks = [self._to_next(situation, limit) for limit in limits]
+        # A straight track lies on the plan before the turn, but it is no turn.
+        costs = [self._place(track, ahead)[1] if _comes_round(track) else np.inf for track in tracks]
         return limits[int(np.argmin(costs))]
 
     def _to_next(self, situation: Situation, limit: float) -> PredictedTrack:
@@ -310,3 +319,10 @@ class TrackPilot:
         return self.predictor.predict(
             situation, heading=heading, rudder_limit=limit, horizon=horizon, points=int(_POINTS * horizon), band="none"
         )
+
+
+def _comes_round(track: PredictedTrack) -> bool:
+    """Whether a track ends near the heading that is ordered: a wind that she leans against keeps her off it."""
+    assert track.order.heading is not None
+    wanted = unwrapped(track.order.heading, float(track.psi[0]))
+    return bool(abs(wanted - track.psi[-1]) < max(_TURNED, _ROUND * abs(wanted - track.psi[0])))

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from shipid.declaration.vocabulary import Number, shown
+from shipid.declaration.vocabulary import Number, compass, shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.foundation.result import Result, ResultEntry
@@ -111,13 +111,12 @@ class WheelOver(Result):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        heading = np.rad2deg(self.heading) % 360
         place = (
             f"in {self.time:.0f} s, {shown(self.distance, 'x')}"
             if self.distance > 0
             else f"passed by {-self.distance:.0f} m"
         )
-        return f"wheel-over to {heading:05.1f} deg {place}"
+        return f"wheel-over to {compass(self.heading)} deg {place}"
 
 
 def wheel_over(
@@ -225,11 +224,14 @@ def heading_on(leg: TrackLeg, current: tuple[float, float], speed: float, sway: 
     Raises
     ------
     UsageError
-        If the current sets across the leg faster than the ship sails.
+        If the current sets across or against the leg faster than the ship sails.
     """
-    across = (current[1] * np.cos(leg.course) - current[0] * np.sin(leg.course)) / np.hypot(speed, sway)
-    if abs(across) >= 1:
+    through = np.hypot(speed, sway)
+    across = (current[1] * np.cos(leg.course) - current[0] * np.sin(leg.course)) / through
+    against = -(current[0] * np.cos(leg.course) + current[1] * np.sin(leg.course)) / through
+    if abs(across) >= 1 or against >= np.sqrt(1 - across**2):
         raise UsageError(
-            f"a current of {np.hypot(*current):.3g} m/s sets across the leg faster than the ship sails: the leg cannot be kept."
+            f"a current of {np.hypot(*current):.3g} m/s sets {'across' if abs(across) >= 1 else 'against'} the leg faster than the ship "
+            "sails: the leg cannot be kept."
         )
     return float(leg.course - np.arcsin(across) - np.arctan2(sway, speed))

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from shipid.declaration.vocabulary import shown
+from shipid.declaration.vocabulary import compass, shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.result import Result
 from shipid.prediction.following.planned_track import PlannedTrack
@@ -108,7 +108,7 @@ class RouteTurn(Result):
             end = f"{self.left:.0f} m to the end" if self.left >= 0 else f"the end is passed by {-self.left:.0f} m"
             return [f"route '{self.route.name}', last leg: {end}, {now}", *self._limits()]
         found = self.wheel_over
-        heading = f"{np.rad2deg(found.heading) % 360:05.1f} deg"
+        heading = f"{compass(found.heading)} deg"
         when = (
             f"passed by {-found.distance:.0f} m"
             if found.due

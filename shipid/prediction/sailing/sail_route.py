@@ -318,7 +318,7 @@ class _Run:
             what = "she turns faster than any ship" if fast else "she keeps less than a fifth of her speed"
             raise NotSailedError(
                 f"the voyage of ship {ship.pilot.ship.name} at {ship.speed:.3g} m/s is {NOT_SAILED} ({ship.model.name}): {what}, "
-                f"{ship.t:.4g} s after the start. A smaller rudder limit or wider turns keep it within its range."
+                f"{ship.t:.4g} s after the start. A smaller rudder limit, wider turns or less wind keep it within its range."
             )
 
 

@@ -82,7 +82,11 @@ def logged_inputs(
             continue
         held[name] = float(seen[-1])
         last, least, most = (shown(float(v), name, model[name].unit) for v in (seen[-1], seen.min(), seen.max()))
-        varied = "" if least == most else f"; before that it went from {least} to {most}, and the filter takes it as it is now"
+        varied = (
+            ""
+            if least == most
+            else f"; before that it went from {least} to {most}, and the filter takes it as it is now"
+        )
         told.append(Notice(f"{name} stays at {last}, as it was logged last{varied}.", "input-as-logged", quantity=name))
     return held, told
 
@@ -118,13 +122,14 @@ def known_before(
     UsageError
         If the record has too few samples before that time, or no heading.
     """
-    before = trial if at is None else _until(trial, at)
-    if len(before) < _LEAST:
+    seen = len(trial) if at is None else _seen_until(trial, at)
+    if seen < _LEAST:
         raise UsageError(
-            f"trial {trial.name} has {len(before)} samples up to {at:g} s, too few for a filter: give a later time."
+            f"trial {trial.name} has {seen} samples up to {at:g} s, too few for a filter: give a later time."
             if at is not None
-            else f"trial {trial.name} has {len(before)} samples, too few for a filter."
+            else f"trial {trial.name} has {seen} samples, too few for a filter."
         )
+    before = trial if at is None else trial.window(None, at)
     before = _coarser(before, ship)
     told: list[Notice] = []
     windy = "r_disturbance" in model.inputs and before.has(*_WIND) and ship.find(_with_wind(model), "N_w") is not None
@@ -224,11 +229,12 @@ def _mean_wind(trial: Trial, model: Model, values: Mapping[str, float], ship: Pa
     return {"wind_speed": float(np.hypot(north, east)), "wind_direction": float(np.arctan2(east, north))}
 
 
-def _until(trial: Trial, at: float) -> Trial:
+def _seen_until(trial: Trial, at: float) -> int:
+    """How many samples a trial has up to an instant of it."""
     t = trial["t"]
     if not t[0] <= at <= t[-1] + 1e-9:
         raise UsageError(f"trial {trial.name} lasts from {t[0]:.5g} to {t[-1]:.5g} s, and {at:g} s is not in it.")
-    return trial.window(None, at)
+    return int(np.searchsorted(t, at + 1e-9, side="right"))
 
 
 def _coarser(trial: Trial, ship: ParameterSet) -> Trial:

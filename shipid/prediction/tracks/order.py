@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import shown
+from shipid.declaration.vocabulary import compass, shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.foundation.result import ResultEntry
@@ -57,7 +57,7 @@ class Order(ResultEntry):
     def __str__(self) -> str:
         parts = []
         if self.heading is not None:
-            parts.append(f"heading {np.rad2deg(self.heading) % 360:05.1f} deg")
+            parts.append(f"heading {compass(self.heading)} deg")
         if self.rudder is not None:
             parts.append(f"rudder {shown(self.rudder, 'delta')}")
         if self.rate is not None:

@@ -275,7 +275,10 @@ class TrackPredictor:
         seed: int = 0,
     ) -> list[PredictedTrack]:
         if not (0 < horizon < _FARTHEST and 0 < points <= _MOST):
-            raise UsageError(f"a track of {horizon:g} ship lengths in {points} steps is none.")
+            raise UsageError(
+                f"a track of {horizon:g} ship lengths in {points} steps is none: give 1 to {_MOST} steps, more than "
+                f"0 and fewer than {_FARTHEST:g} ship lengths."
+            )
         if self.kind == "first-order":
             situation = at_cruising_speed(situation)
         model, speed = self.model_of(orders[0]), cruise_of(situation)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import socket
 import time
+from datetime import UTC, datetime
 
 import httpx
 import pytest
@@ -14,7 +15,10 @@ from websockets.sync.client import connect
 from shipid.bridge.server.clients import LONGEST_COMMAND, CommandRate, parsed_command
 from shipid.bridge.server.guard import HEADERS, is_loopback
 from shipid.bridge.server.serve import LONGEST_MESSAGE, listening
+from shipid.bridge.server.signalk_out import delta_of
 from shipid.foundation.errors import UsageError
+
+from ..conftest import sail
 
 
 def parsed(text):
@@ -209,6 +213,17 @@ def test_signal_k_goes_out(serve):
                 break
         assert values["navigation.speedThroughWater"] == pytest.approx(9.5, abs=0.5)
         assert 0 <= values["navigation.headingTrue"] < 6.2832 and "steering.rudderAngle" in values
+
+
+def test_what_has_lost_its_sensor_does_not_go_out(make_core):
+    core = make_core()
+    sail(core, 10)
+    sensors = core.own_ship.sensors
+    whole = {v["path"] for v in delta_of(core, datetime.now(UTC))["updates"][0]["values"]}
+    assert {"navigation.headingTrue", "navigation.speedThroughWaterTransverse"} <= whole
+    sensors.take(core.t + 60, {n: sensors.value(n) for n in ("r", "delta")})
+    left = {v["path"] for v in delta_of(core, datetime.now(UTC))["updates"][0]["values"]}
+    assert left == {"navigation.rateOfTurn", "steering.rudderAngle"}
 
 
 def test_what_a_bridge_sends_another_reads(serve, pilot):

@@ -6,6 +6,7 @@ import asyncio
 import json
 import math
 import socket
+from datetime import UTC, datetime, timedelta
 from functools import reduce
 from operator import xor
 
@@ -17,7 +18,7 @@ from hypothesis import strategies as st
 import shipid
 from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.core.console import SteeringOrder
-from shipid.bridge.sources import listened
+from shipid.bridge.sources import listened, signalk
 from shipid.bridge.sources.line_queue import LineQueue
 from shipid.bridge.sources.listened import ListenedSource
 from shipid.bridge.sources.radar_targets import target_of
@@ -307,9 +308,12 @@ DELTA = {
 }  # fmt: skip
 
 
+GREETING = {"name": "x", "self": "vessels.urn:mrn:1", "version": "1.8", "timestamp": "2026-01-01T00:00:01Z"}
+
+
 def test_signal_k_deltas_are_heard():
     source = SignalKSource("ws://127.0.0.1:1/")
-    source.feed(json.dumps({"name": "x", "self": "vessels.urn:mrn:1", "version": "1.8"}))
+    source.feed(json.dumps(GREETING))
     source.feed(json.dumps(DELTA))
     values = source.take(0.4).values
     assert values == {
@@ -317,6 +321,85 @@ def test_signal_k_deltas_are_heard():
     }  # fmt: skip
     source.feed(json.dumps(DELTA | {"context": "vessels.urn:mrn:2"}))  # another ship
     assert source.take(0.8).values == {}
+
+
+def heading_at(stamp, value=1.0, **update):
+    values = [{"path": "navigation.headingTrue", "value": value}]
+    return json.dumps({"updates": [{"timestamp": stamp, "values": values, **update}]})
+
+
+def test_signal_k_that_the_server_has_kept_is_not_heard():
+    now = [100.0]
+    source = SignalKSource("ws://127.0.0.1:1/", clock=lambda: now[0])
+    source.feed(json.dumps(GREETING))
+
+    def heard(text):
+        source.feed(text)
+        return source.take(0.4)
+
+    old = heard(heading_at("2025-12-31T23:00:01Z"))
+    assert old.values == {} and "headingTrue was 3600 s old when it came" in old.told[0] and "clocks" in old.told[0]
+    assert heard(heading_at("2026-01-01T00:00:01.000Z")).values == {"psi": 1.0}
+    # The last value again is no news, nor is an older one; that of a clock with whole seconds is, where it has changed.
+    assert heard(heading_at("2026-01-01T00:00:01.000Z")).values == {}
+    assert heard(heading_at("2026-01-01T00:00:00Z", 2.0)).values == {}
+    assert heard(heading_at("2026-01-01T02:00:01+02:00", 1.1)).values == {"psi": 1.1}
+    # Another source has a clock of its own; no time stamp is none to hold against a value.
+    assert heard(heading_at("2026-01-01T00:00:00Z", 1.2, **{"$source": "b"})).values == {"psi": 1.2}
+    assert heard(heading_at(None)).values == {"psi": 1.0} and heard(heading_at("today")).values == {"psi": 1.0}
+    now[0] += 60.0
+    assert heard(heading_at("2026-01-01T00:00:30Z")).values == {}
+    assert heard(heading_at("2026-01-01T00:01:00Z")).values == {"psi": 1.0}
+
+
+def test_a_signal_k_server_without_a_clock_is_held_against_this_one():
+    source = SignalKSource("ws://127.0.0.1:1/")
+    source.feed(heading_at("2001-01-01T00:00:00Z"))
+    assert source.take(0.4).values == {}
+    source.feed(heading_at(datetime.now(UTC).isoformat()))
+    assert source.take(0.8).values == {"psi": 1.0}
+
+
+def test_a_heading_that_a_signal_k_server_keeps_is_an_alarm(make_core):
+    now = [0.0]
+    source = SignalKSource("ws://127.0.0.1:1/", clock=lambda: now[0])
+    source._connected = True  # noqa: SLF001 - nothing is connected to here; the deltas come from the test
+    core = make_core(source)
+    source.feed(json.dumps(GREETING))
+    for second in range(25):
+        now[0] = float(second)
+        stamp = (datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=second)).isoformat()
+        update = json.loads(json.dumps(DELTA))["updates"][0] | {"timestamp": stamp}
+        if second > 10:
+            del update["values"][0]
+            source.feed(heading_at("2026-01-01T00:00:10Z"))
+        source.feed(json.dumps({"updates": [update]}))
+        sail(core, 1.0)
+    told = [a["text"] for a in shown(core)["alarms"]]
+    assert "sensor lost: heading" in told and not any("rudder" in t or "no data" in t for t in told)
+
+
+def test_a_signal_k_server_whose_clock_was_set_back_is_asked_again(monkeypatch):
+    from websockets.asyncio.server import serve
+
+    monkeypatch.setattr(signalk, "_NOTHING_NEW", 0.05)
+    monkeypatch.setattr(signalk, "_AGAIN", 0.01)
+    clocks = iter(["2026-01-01T01:00:00Z", "2026-01-01T00:00:00Z"])
+
+    async def speak(socket_) -> None:
+        await socket_.send(json.dumps(GREETING | {"timestamp": next(clocks)}))
+        for k in range(1000):
+            await socket_.send(heading_at(f"2026-01-01T00:00:{k / 100:06.3f}Z"))
+            await asyncio.sleep(0.01)
+
+    async def run() -> None:
+        async with serve(speak, "127.0.0.1", 0) as server:
+            source = SignalKSource(f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/")
+            await source.start()
+            await until(lambda: "psi" in source.take(0.4).values)
+            await source.stop()
+
+    asyncio.run(run())
 
 
 def test_signal_k_in_other_units_is_left_out():
@@ -355,6 +438,7 @@ def test_a_signal_k_server_is_read_and_missed():
 
     async def run() -> None:
         async def speak(socket_) -> None:
+            await socket_.send(json.dumps(GREETING))
             await socket_.send(json.dumps(DELTA))
 
         async with serve(speak, "127.0.0.1", 0) as server:

@@ -79,3 +79,10 @@ def test_the_sides_of_a_leg():
     leg = TrackLeg(10.0, 20.0, np.deg2rad(90))
     assert leg.across(5.0, 50.0) == pytest.approx(5.0)  # south of a leg to the east is to starboard
     assert leg.along(5.0, 50.0) == pytest.approx(30.0)
+
+
+def test_a_current_against_which_no_way_is_made_keeps_no_leg():
+    assert heading_on(TrackLeg(0, 0, 0.0), (-4.0, 1.0), 5.0) == pytest.approx(-np.arcsin(0.2))
+    for current, how in (((-5.0, 0.0), "against"), ((-4.95, 1.0), "against"), ((0.0, 5.0), "across")):
+        with pytest.raises(UsageError, match=f"sets {how} the leg faster than the ship sails"):
+            heading_on(TrackLeg(0, 0, 0.0), current, 5.0)

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 import shipid
 from shipid.declaration.units import pretty
-from shipid.declaration.vocabulary import display_unit, label, to_display
+from shipid.declaration.vocabulary import compass, display_unit, label, to_display
 from shipid.foundation.numbers import fixed, last_place, number
 from shipid.prediction.prediction import Prediction
 from shipid.report.figures.charts import Axes, Line, chart
@@ -94,7 +94,7 @@ def _stages(found: Prediction) -> list[Row]:
             "t": fixed(s.t, 0),
             "ahead": fixed(s.ahead, 0),
             "aside": fixed(s.aside, 0),
-            "heading": f"{to_display(s.heading, 'psi') % 360:05.1f}",
+            "heading": compass(s.heading),
             "speed": fixed(s.speed, 2),
             "band": "not known" if s.half_width is None else f"± {fixed(s.half_width, 0)}",
         }

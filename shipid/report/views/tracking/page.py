@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 
 import shipid
-from shipid.declaration.vocabulary import to_display
+from shipid.declaration.vocabulary import compass
 from shipid.encounter.tracking.scoring import HORIZONS, TrackingScore
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.encounter.tracking.tracking import Tracking
@@ -87,7 +87,7 @@ def _row(one: TargetTrack) -> Row:
         "y": fixed(one.x[-1, 1], 0),
         "spread": fixed(float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0))), 0),
         "speed": f"{fixed(float(one.speed[-1]), 1)} ± {fixed(float(one.speed_std[-1]), 1)}",
-        "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}" if one.moves[-1] else "none",
+        "course": compass(float(one.course[-1]), 0) if one.moves[-1] else "none",
         "cpa": "not known" if near is None else fixed(near.cpa, 0),
         "between": "" if ends is None else f"{fixed(ends[0], 0)} to {fixed(ends[1], 0)}",
         "tcpa": "" if near is None else "steady" if steady else fixed(near.tcpa, 0),
