@@ -281,14 +281,8 @@ def _record(
         raise UsageError(
             f"'{begin}' is neither a state, as in 'psi=40 deg,u=9 m/s', nor a trial at a time, as in trial.csv@300."
         )
-    tail = text.strip().rpartition("@")[2]
-    if (
-        match.group(2) is None
-        and tail != text.strip()
-        and format_ is None
-        and ":" not in tail
-        and not Path(text).exists()
-    ):
+    path, _, tail = begin.strip().rpartition("@")
+    if match.group(2) is None and path and format_ is None and ":" not in tail and not Path(begin).exists():
         raise UsageError(f"'{tail}' is no time in s, as in trial.csv@300.")
     tell("reading")
     trial = read_trial(match.group(1), format=format_)
