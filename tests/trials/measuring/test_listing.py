@@ -101,14 +101,12 @@ def test_a_gear_so_slow_that_no_plate_is_reached_at_once_is_no_circle(sailed):
 
 
 def test_rough_course_keeping_after_a_zigzag_is_no_part_of_it(sailed):
-    """From 219 s on the rudder is put over to either side at other headings: six reversals were counted for four."""
-    t, psi, delta, _, orders, _ = sailed()
-    t, psi, delta = t[t < 262][::50], psi[t < 262][::50] - 350.0, delta[t < 262][::50]
-    after = np.arange(262.0, 340.0, 0.5)
-    kept = np.where((after - 262) // 13 % 2 == 0, -20.0, 20.0)
+    """From 262 s on the rudder is put over to either side at other headings: the whole was no zig-zag for it, or one of six reversals."""
+    t, psi, delta, _, orders, _ = sailed(duration=262.0)
+    after = np.arange(262.5, 340.0, 0.5) - 262.0
+    rudder = np.interp(after % 36, [0, 6, 12, 24, 30, 36], [20, 20, -20, -20, 20, 20])
+    heading = 350.0 + (psi[-1] - 350.0) * np.exp(-after / 20) * np.cos(after / 18 * np.pi)
     columns = {
-        "t [s]": np.append(t, after), "psi [deg]": np.append(psi, psi[-1] * np.cos(2 * np.pi * (after - 262) / 26) * np.exp(-(after - 262) / 30)),
-        "delta [deg]": np.append(delta, kept),
+        "t [s]": np.append(t[::50], 262.0 + after), "psi [deg]": np.append(psi[::50], heading), "delta [deg]": np.append(delta[::50], rudder),
     }  # fmt: skip
-    found = measure(Trial.from_frame(pd.DataFrame(columns)))
-    assert found.executes == pytest.approx(orders[1 : 1 + len(found.executes)], abs=0.1) and len(found.executes) == 4
+    assert measure(Trial.from_frame(pd.DataFrame(columns))).executes == pytest.approx(orders[1:5], abs=0.1)
