@@ -91,7 +91,11 @@ def compare_models(
     candidates = [Attempt(m, tuple(pieces), tuple(validate), ship, starts, seed, held) for m in whole]
     found = try_all(candidates, progress or (lambda _: None), workers)
     ranks = sorted((_rank(one) for one in found), key=lambda r: (r.error is None, r.error or 0.0))
-    beyond = {(n.known.get("subject", n.known.get("trial")), n.known.get("quantity", n.kind)): n for one in found for n in one.beyond}
+    beyond = {
+        (n.known.get("subject", n.known.get("trial")), n.known.get("quantity", n.kind)): n
+        for one in found
+        for n in one.beyond
+    }
     return Ranking(tuple(ranks), tuple(p.name for p in pieces), _lacking(trials), tuple(beyond.values()))
 
 

@@ -143,7 +143,9 @@ def piloted(
             "the situation."
         )
     if isinstance(pilot, Autopilot):
-        raise UsageError("an autopilot has its ship: give what is known of her beside it, as in {'psi': 0.0, 'u': 8.0}.")
+        raise UsageError(
+            "an autopilot has its ship: give what is known of her beside it, as in {'psi': 0.0, 'u': 8.0}."
+        )
     designed = design_autopilot(pilot, ship_of(situation))
     return designed, {"psi": 0.0, "u": designed.own_speed, "r": 0.0}
 

@@ -206,5 +206,7 @@ def test_a_shaft_speed_that_varied_is_told():
     t = np.arange(0.0, 20.0)
     log = shipid.Trial("log", pd.DataFrame({"t": t, "n": 1.0 + 0.1 * t, "delta": 0 * t, "u": 0 * t + 1}))
     held, told = logged_inputs(model, log, 10.0)
-    assert held == {"n": 2.0} and "n stays at 120 rpm, as it was logged last; before that it went from 60 rpm to 120" in str(told[0])
+    assert held == {
+        "n": 2.0
+    } and "n stays at 120 rpm, as it was logged last; before that it went from 60 rpm to 120" in str(told[0])
     assert logged_inputs(model, log, 10.0, ["n"]) == ({}, [])

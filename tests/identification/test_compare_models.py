@@ -80,7 +80,10 @@ def test_a_ship_that_goes_astern_is_named_for_a_model_of_one_speed(sail):
     trials[0] = shipid.Trial("backing", backing[[n for n in backing if n not in "xy"]])
     found = compare_models(["nomoto"], trials, ship="zeefakkel", starts=1, workers=1)
     (told,) = [n for n in found.warnings if n.kind == "goes-astern"]
-    assert told.serious and "warning: backing: the ship goes astern from 70 s on, and nomoto knows one speed" in found.text()
+    assert (
+        told.serious
+        and "warning: backing: the ship goes astern from 70 s on, and nomoto knows one speed" in found.text()
+    )
 
 
 def test_trials_kept_apart_are_reported_and_do_not_rank(cubic_trials):

@@ -173,7 +173,9 @@ def test_turns_to_one_side_say_nothing_of_the_other() -> None:
     turn = make_trial(**{"delta [deg]": np.where(np.arange(0, 200.0, 0.5) < 20, 0.0, -10.0)})
     zigzag = make_trial()
     (told,) = one_sided_notices([turn])
-    assert "to port only in what was fitted: how the ship turns to starboard is not seen" in str(told) and not told.serious
+    assert (
+        "to port only in what was fitted: how the ship turns to starboard is not seen" in str(told) and not told.serious
+    )
     assert not one_sided_notices([turn, zigzag]) and not one_sided_notices([])
     fit = shipid.identify("nomoto", [turn], ship="zeefakkel", starts=1)
     assert str(told) in fit.text() and "one-sided" in {n.kind for n in fit.warnings}

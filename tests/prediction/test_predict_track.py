@@ -28,5 +28,7 @@ def test_what_does_not_belong_together_is_told(pilot):
 
 
 def test_more_rudder_than_the_ship_has_is_told_once(pilot):
-    told = shipid.predict_track(pilot, {"psi": 0.0, "u": 9.5}, rudder="40 deg", rudder_limit="40 deg", points=20).warnings
+    told = shipid.predict_track(
+        pilot, {"psi": 0.0, "u": 9.5}, rudder="40 deg", rudder_limit="40 deg", points=20
+    ).warnings
     assert [n.kind for n in told].count("beyond-the-rudder") == 1

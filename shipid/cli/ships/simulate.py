@@ -64,7 +64,11 @@ if TYPE_CHECKING:
 )
 @current_option()
 @wind_option("; needs a ship with wind coefficients")
-@click.option("--waves", metavar="W", help="Yaw by waves that the instruments show, '0.5 deg from 300 deg'; of a model with WaveMoment their height, '2 m from 300 deg'.")
+@click.option(
+    "--waves",
+    metavar="W",
+    help="Yaw by waves that the instruments show, '0.5 deg from 300 deg'; of a model with WaveMoment their height, '2 m from 300 deg'.",
+)
 @values_option
 @input_option
 @click.option("-o", "--output", metavar="FILE", help="CSV or Parquet file to write; stdout by default.")

@@ -124,7 +124,9 @@ def predict(
     with delivery.progress() as tell:
         trial, at, held, noted = _record(model, begin, format_, inputs, tell)
         pilot = _pilot(model, ship, schedule, values, {**inputs, **held})
-        situation, origin, told = _situation(pilot, begin, trial, at, current, wind, waves, tell, on_route=plan is not None)
+        situation, origin, told = _situation(
+            pilot, begin, trial, at, current, wind, waves, tell, on_route=plan is not None
+        )
         told = [*told, *noted]
         place = _origin(plan, trial)
         # A chart that cannot be drawn is told before the work is done.

@@ -82,7 +82,11 @@ def logged_inputs(
             continue
         held[name] = float(seen[-1])
         last, least, most = (shown(float(v), name, model[name].unit) for v in (seen[-1], seen.min(), seen.max()))
-        varied = "" if least == most else f"; before that it went from {least} to {most}, and the filter takes it as it is now"
+        varied = (
+            ""
+            if least == most
+            else f"; before that it went from {least} to {most}, and the filter takes it as it is now"
+        )
         told.append(Notice(f"{name} stays at {last}, as it was logged last{varied}.", "input-as-logged", quantity=name))
     return held, told
 

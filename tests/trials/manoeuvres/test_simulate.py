@@ -190,7 +190,9 @@ def test_a_compass_that_lags_begins_on_the_heading_of_the_approach() -> None:
     """It began at north, and its first samples came from there as a jump of the heading."""
     model = join("late compass", DeKeizer, VanLeeuwenSway, PlanarMotion, FaultyCompass)
     late = {"psi_offset": "2 deg", "tau_compass": "3 s"}
-    shown = simulate(model, "soesterberg", "zigzag:10/10", heading="120 deg", values=late, duration="10 s", sampling="1 s")
+    shown = simulate(
+        model, "soesterberg", "zigzag:10/10", heading="120 deg", values=late, duration="10 s", sampling="1 s"
+    )
     np.testing.assert_allclose(shown["psi"], 122 * DEG, atol=1e-9)
 
 
@@ -339,7 +341,9 @@ def test_a_turn_that_no_ship_makes(model: str, ship: str, manoeuvre: str, values
 
 
 def test_water_too_shallow_for_a_model_is_not_sailed_with_less_rudder_either() -> None:
-    said = "less than 1.2 draughts deep.*, 0 s after the start. No manoeuvre is within its range so: state another value"
+    said = (
+        "less than 1.2 draughts deep.*, 0 s after the start. No manoeuvre is within its range so: state another value"
+    )
     with pytest.raises(NotSailedError, match=said):
         sail("turn:5", model="mmg-shallow", ship="kvlcc2", values={"depth": "24 m"}, duration="60 s")
 
