@@ -42,7 +42,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.problem.prior_shares import prior_shares
 from shipid.identification.search.noise_levels import APART, LASTING, NoiseLevels
 from shipid.identification.search.rung import Rung
-from shipid.identification.uncertainty.amplitudes import beyond_of_record
+from shipid.identification.uncertainty.amplitudes import ONE_SIDED, beyond_of_record, one_sided_notices
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
 from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison
@@ -350,6 +350,7 @@ class Fit(DrawnResult):
         withheld = next((e.why for e in self.parameters.values() if e.withheld), None)
         found += unexplained_notices(self.fitted, self.identified.scale.unit_time, withheld)
         found += astern_notices(self.model, self.fitted)
+        found += one_sided_notices([c.trial for c in self.fitted])
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
@@ -378,7 +379,7 @@ class Fit(DrawnResult):
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING, APART, ASTERN)),
                 *coefficient_lines(self.parameters),
-                *(f"  note      {w}" for w in self.warnings if w.kind == MOSTLY_DISTURBED),
+                *(f"  note      {w}" for w in self.warnings if w.kind in (MOSTLY_DISTURBED, ONE_SIDED)),
                 *dead_time_lines(self.model),
                 *loading_lines(self.identified),
                 *prior_lines(self.prior_shares),

@@ -191,8 +191,8 @@ def identify(
         searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
         records = len({id(t) for _, t in pairs})
         found = searched(problem, search_box(setting), method, how, records)
-        if unasked and found.solution.levels is not None and found.solution.levels.lasting is not None:
-            found = _by_lasting_sensors(problem, search_box(setting), how, records, found)
+        if (unasked or steered) and found.solution.levels is not None and found.solution.levels.lasting is not None:
+            found = _by_lasting_sensors(problem, search_box(setting), how, records, found, steered)
         elif unasked:
             found = _beside_simulation(problem, search_box(setting), how, records, found)
         if steered:
@@ -232,16 +232,26 @@ def _by_another_method(problem: Problem, box: Box, method: Method | None, how: S
     return _Found(*climb(problem, box, method, how), box)
 
 
-def _by_lasting_sensors(problem: Problem, box: Box, how: SearchSettings, records: int, before: _Found) -> _Found:
-    """Output error with the noise levels of a filter at its coefficients, where what the sensors show lasts and moves no ship."""
+def _by_lasting_sensors(
+    problem: Problem, box: Box, how: SearchSettings, records: int, before: _Found, steered: Sequence[str]
+) -> _Found:
+    """Output error with the noise levels of a filter at its coefficients, where what the sensors show lasts and moves no ship.
+
+    An autopilot answers it with the rudder, which biases output error a little; prediction error, that takes it for a force on the
+    ship, it leaves without a gain. No filter is asked for there.
+    """
     found = _by_residuals(problem, box, None, how, records)
     levels, solution = before.solution.levels, found.solution
     assert levels is not None and levels.lasting is not None, "both descriptions of the record were compared"
     if not solution.converged:
         return before
     seen = replace(problem, sigma=residual_levels(solution))
-    at = replace(levels_at(seen, solution.parameters, how.unit_time, how.tell), lasting=levels.lasting)
+    at = None
     words = levels.lasting.words
+    if steered:
+        words += ". The rudder follows it, and where that is slow beside the ship output error is biased as well"
+    else:
+        at = replace(levels_at(seen, solution.parameters, how.unit_time, how.tell), lasting=levels.lasting)
     rungs = [replace(r, used=False) if r.method == "prediction-error" else r for r in before.rungs]
     used = [replace(r, reason=f"{words[0].upper()}{words[1:]}. {r.reason}") for r in found.rungs if r.used]
     return replace(found, solution=replace(solution, levels=at), rungs=(*rungs, *used))

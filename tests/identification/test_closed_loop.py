@@ -94,3 +94,18 @@ def test_one_long_change_of_course_is_no_course_keeping():
     """The helm law explains nearly all of its rudder, too."""
     trial = shipid.simulate("de-keizer", ship="soesterberg", manoeuvre="course:60", noise="standard", seed=4)
     assert "course-keeping" not in {f.kind for f in shipid.check_trial(trial).findings}
+
+
+def test_waves_that_the_rudder_follows_leave_the_truth_within_a_tenth() -> None:
+    """Prediction error takes them for a force on the ship, and nothing is left for her rudder: no gain, or half of it."""
+    pilot = shipid.design_autopilot("nomoto", "soesterberg")
+    orders = [("30 s", "40 deg"), ("280 s", "0 deg")]
+    trial = shipid.sail(pilot, orders, waves="0.3 deg from 40 deg", noise="standard", duration="500 s", seed=2)
+    # Against the limit of the autopilot the rudder stands, and is not frozen there.
+    assert shipid.check_trial(trial).kinds == ("closed-loop",)
+    fit = shipid.identify("nomoto", [trial], ship="soesterberg", starts=1)
+    assert fit.identified.method == "output-error"
+    assert fit.parameters["K"].value == pytest.approx(0.0672566, rel=0.1)
+    assert fit.parameters["tau"].value == pytest.approx(40.4421, rel=0.1)
+    assert "Noise of the sensors that lasts, such as waves" in fit.text() and "The rudder follows it" in fit.text()
+    assert "closed-loop" in _serious(fit)

@@ -11,6 +11,7 @@ from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameEr
 from shipid.generation.simulator import UnstatedInputError
 from shipid.identification import identify as module
 from shipid.identification.errors import NoAnswerError, NothingToFitError, TrialTooShortError
+from shipid.identification.uncertainty.amplitudes import one_sided_notices
 from shipid.trials.errors import NoRudderMovementError, NoStretchError, UnknownColumnError
 
 
@@ -165,3 +166,16 @@ def test_a_ship_that_goes_astern_is_told_to_a_model_of_one_speed_ahead():
     assert str(told) in fit.text()
     ahead = shipid.identify("nomoto", [make_trial(**{"u [m/s]": np.abs(speed)})], ship="zeefakkel", starts=1)
     assert "goes-astern" not in {n.kind for n in ahead.warnings}
+
+
+def test_turns_to_one_side_say_nothing_of_the_other() -> None:
+    """An asymmetric ship passed for one with a rudder bias, sure to hundredths of a degree, and her other side was not named."""
+    turn = make_trial(**{"delta [deg]": np.where(np.arange(0, 200.0, 0.5) < 20, 0.0, -10.0)})
+    zigzag = make_trial()
+    (told,) = one_sided_notices([turn])
+    assert (
+        "to port only in what was fitted: how the ship turns to starboard is not seen" in str(told) and not told.serious
+    )
+    assert not one_sided_notices([turn, zigzag]) and not one_sided_notices([])
+    fit = shipid.identify("nomoto", [turn], ship="zeefakkel", starts=1)
+    assert str(told) in fit.text() and "one-sided" in {n.kind for n in fit.warnings}

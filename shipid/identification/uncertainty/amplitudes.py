@@ -19,6 +19,9 @@ from shipid.trials.trial import Trial
 _REACHED = 0.995
 #: Samples of a mean in which the noise of one does not count: of a speed, and of both headings of which a rate of turn is made.
 _MEAN = 7
+#: To one side only: the rudder goes less far to the other than this share of the way.
+_OTHER_SIDE = 0.2
+ONE_SIDED = "one-sided"
 
 
 def recorded_speeds(trials: Sequence[Trial]) -> tuple[float, float] | None:
@@ -96,6 +99,32 @@ def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
             if sizes.size and (name != "drift" or sizes.any()):
                 found[name] = max(found.get(name, 0.0), float(np.quantile(sizes, _REACHED)))
     return {n: float(np.deg2rad(_written(np.rad2deg(v)))) for n, v in found.items()}
+
+
+def one_sided_notices(trials: Sequence[Trial]) -> list[Notice]:
+    """Return what has to be said of trials in which the ship is turned to one side only.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        All that were fitted.
+    """
+    ends = []
+    for trial in trials:
+        column = next((trial[n] for n in ("delta", "delta_order") if trial.has(n)), np.zeros(0))
+        there = column[np.isfinite(column)]
+        ends += [np.quantile(there, [1 - _REACHED, _REACHED])] if there.size else []
+    port, starboard = (-min(e[0] for e in ends), max(e[1] for e in ends)) if ends else (0.0, 0.0)
+    if min(port, starboard) >= _OTHER_SIDE * max(port, starboard):
+        return []
+    seen, other = ("starboard", "port") if starboard > port else ("port", "starboard")
+    return [
+        Notice(
+            f"the rudder goes to {seen} only in what was fitted: how the ship turns to {other} is not seen, and a ship that turns unlike to "
+            "both sides passes for one with a rudder bias. A zig-zag tells.",
+            ONE_SIDED,
+        )
+    ]
 
 
 def _columns(trial: Trial) -> dict[str, np.ndarray]:

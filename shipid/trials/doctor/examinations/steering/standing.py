@@ -44,10 +44,12 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
     if not len(stands):
         return
     rattles = robust.never_repeats(values, stands)
+    # An autopilot may put the rudder as far over as it is allowed, and there it stands: no sample lies beyond.
+    ends = float(values.min()), float(values.max())
     found = [
         (_since(t, values, a, b, rate) if leaps[b] and not rattles else a, b)
         for a, b in stands
-        if rattles or leaps[b] or _turns_back(p, index[a], index[b])
+        if (rattles and values[a] not in ends) or leaps[b] or _turns_back(p, index[a], index[b])
     ]
     if not found:
         return
