@@ -215,4 +215,5 @@ def angle(value: float, digits: int = 4) -> str:
     digits : int
         Significant digits.
     """
-    return shown(value, "", "rad", digits)
+    # What a simulated rudder leaves of an angle is no angle, and a zero has no sign.
+    return shown(round(value, 12) + 0.0, "", "rad", digits)
