@@ -88,3 +88,21 @@ def test_the_ship_is_asked_for_by_name(sound, capsys):
     assert run(["check", str(sound), "--ship", "zeefakkel"]) == 0
     assert run(["check", str(sound), "--ship", "zeefakel"]) == 2
     assert "zeefakkel" in capsys.readouterr().err
+
+
+def test_each_of_several_trials_is_told_of_even_where_it_was_not_read(sound, tmp_path, capsys):
+    bare = tmp_path / "bare.csv"
+    bare.write_text("0,1,2\n1,2,3\n", encoding="utf-8")
+    assert run(["check", str(sound), str(bare)]) == 3
+    said = capsys.readouterr()
+    assert f"Check of '{bare}': not read" in said.out
+    assert "shipid format FILE drafts one" in " ".join(said.err.split())
+
+
+def test_one_sentence_stands_once_for_all_channels(tmp_path, capsys):
+    log = tmp_path / "units.csv"
+    rows = (f"{t},{t % 7},{t % 5},{t},{t},{t % 9}" for t in range(60))
+    log.write_text("t,psi,delta,x,y,r\n" + "\n".join(rows), encoding="utf-8")
+    run(["check", str(log)])
+    told = capsys.readouterr().out
+    assert told.count("m was assumed") == 1 and "x (90 %), y (90 %): the column says no unit" in told

@@ -39,3 +39,7 @@ def test_a_label_outside_the_vocabulary_is_the_beginning_of_the_meaning() -> Non
     assert label("r") == "Rate of turn"
     assert label("gamma", "sway speed per rate of turn, positive") == "Sway speed per rate of turn"
     assert label("gamma") == "gamma"
+
+
+def test_an_angle_that_is_none_is_zero_without_a_sign():
+    assert [angle(v, 3) for v in (8.4e-250, -0.0, -0.1)] == ["0 deg", "0 deg", "-5.73 deg"]

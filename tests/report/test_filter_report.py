@@ -105,3 +105,13 @@ def test_an_axis_of_whole_numbers_has_no_half_of_one():
     figure.canvas.draw()
     ticks = figure.axes[0].get_yticks()
     assert len(ticks) >= 3 and np.array_equal(ticks, np.round(ticks))
+
+
+def test_what_comes_from_the_record_is_said_with_its_doubt(run):
+    """The terminal says both; so does the page."""
+    doubt = "not distinguishable from zero: its 95 % interval, -1 to 1, holds zero."
+    instruments = dataclasses.replace(run.design.instruments, biases={"delta": 0.0})
+    design = dataclasses.replace(run.design, instruments=instruments)
+    words = render(dataclasses.replace(run, design=design, learnt=("sensor:psi",), added={"delta": (0.01, doubt)}))
+    assert words.count("found from the record") == 1
+    assert "0.00 ± 0.57" in words and "Not distinguishable from zero: its 95 % interval" in words

@@ -123,6 +123,9 @@ def test_the_fit_in_percent_stands_on_page_terminal_and_json(fit, pages):
 def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
     assert "would spoil an identification" in read_page(pages["check"]).text
     assert "no column is a time." in read_page(pages["check"]).text
+    assert "One file could not be read." in read_page(pages["check"]).text
+    # A file without rows has no time axis, no manoeuvres and no rows to tell of.
+    assert pages["check"].count("<svg") == 2 and "0 rows read" not in pages["check"]
     assert "The model to take is" in read_page(pages["ranking"]).text
     assert pages["ranking"].count("<svg") == 2
     assert "Within its limit: " in read_page(pages["criteria"]).text

@@ -71,6 +71,7 @@ def check(
             warnings.append(Notice(str(error), "not-read", serious=True, trial=name).to_dict())
             code = ExitCode.BAD_DATA
             checked.append(not_read(name, str(error)))
+            texts.append(f"Check of '{name}': not read")
             continue
         checked.append(found)
         answers.append(found.to_dict())

@@ -107,7 +107,7 @@ def trial_sheet(
     record = whole.with_defaults({"length": stated})
     form = form_of(record, stated, [m.measures for m in manoeuvres])
     warnings = _simulated([trial for trial, _ in sailed]) + _doubts(manoeuvres)
-    warnings += _warnings(stated, rows, lost, unread) + _unmet(form, rows)
+    warnings += _warnings(stated, rows, lost, unread > 0 or not manoeuvres) + _unmet(form, rows)
     return TrialSheet(record, stated, tuple(manoeuvres), rows, tuple(lost), tuple(warnings), form)
 
 
@@ -186,12 +186,12 @@ def _doubts(manoeuvres: Sequence[SheetManoeuvre]) -> list[Notice]:
 
 
 def _warnings(
-    length: float | None, rows: Sequence[MeasuredCriterion], lost: Sequence[NotMeasured], unread: int
+    length: float | None, rows: Sequence[MeasuredCriterion], lost: Sequence[NotMeasured], serious: bool
 ) -> list[Notice]:
     said = []
     if lost:
         what = "One log or manoeuvre has" if len(lost) == 1 else f"{len(lost)} logs or manoeuvres have"
-        said.append(Notice(f"{what} no numbers; the reasons are listed.", "not-measured", serious=unread > 0))
+        said.append(Notice(f"{what} no numbers; the reasons are listed.", "not-measured", serious=serious))
     if rows:
         said.append(Notice(SCOPE, "scope"))
         if length is None:

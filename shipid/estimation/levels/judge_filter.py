@@ -12,6 +12,7 @@ from shipid.estimation.levels.record_levels import Judged, RecordLevels
 from shipid.estimation.records.consistency import FITTING, REJECTED_SHARE
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.recursion.gate import REJECTED, TAKEN
+from shipid.estimation.standing import DETERMINED
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import percent, probability, uncertain_text
 from shipid.foundation.statistics import WHITE, interval_95
@@ -54,6 +55,10 @@ def judge_filter(run: FilterRun, levels: RecordLevels | None = None) -> FilterRu
     if common > _HOPELESS:
         withheld = f"the innovations are {common:.0f} times as large as this filter expects them"
     found = replace(run, widening=widening, withheld=withheld)
+    if levels is not None:
+        known = levels.bias_standings.items()
+        added = {n: (b.std, "" if b.standing == DETERMINED else f"{b.standing}: {b.why}") for n, b in known}
+        found = replace(found, learnt=levels.learnt, added=added)
     return replace(found, warnings=tuple(_notices(found, levels, sizes)))
 
 

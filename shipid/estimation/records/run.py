@@ -109,6 +109,10 @@ class FilterRun(RecordRun, DrawnResult):
         By estimated parameter: how many times wider its interval is than by the filter's own covariance.
     withheld : str
         Why no interval of a parameter is given; empty where they are.
+    learnt : tuple of str
+        ``sensor:NAME`` and ``noise:NAME`` whose level comes from the record.
+    added : mapping of str to tuple of float and str
+        By input to which a constant is added that comes from the record: its standard deviation, SI, and what speaks against it.
     smoothable : bool
         Whether the rows are those of one filter, so that it can be run back over them; a mixture of several is not.
     """
@@ -122,6 +126,8 @@ class FilterRun(RecordRun, DrawnResult):
     warnings: tuple[Notice, ...] = field(default=(), kw_only=True)
     widening: Mapping[str, float] = field(default_factory=dict, kw_only=True)
     withheld: str = field(default="", kw_only=True)
+    learnt: tuple[str, ...] = field(default=(), kw_only=True)
+    added: Mapping[str, tuple[float, str]] = field(default_factory=dict, kw_only=True)
     smoothable: ClassVar[bool] = True
 
     @property

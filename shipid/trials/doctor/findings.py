@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -315,9 +315,13 @@ class Diagnosis(DrawnResult):
             shown = len(told) if len(told) <= _FULLY_TOLD else 1
             lines += [f"  {f}" for f in told[:shown]]
             if told[shown:]:
+                also = by_words(told[shown:]).items()
                 lines.append(
                     "    also: "
-                    + "; ".join(f"{f.channel} ({percent(f.confidence)}): {f.message}" for f in told[shown:])
+                    + "; ".join(
+                        f"{', '.join(f'{f.channel} ({percent(f.confidence)})' for f in same)}: {words}"
+                        for words, same in also
+                    )
                 )
         lines.append(f"  rows: {self.rows} read, {self.kept} kept" + "".join(f"; {part}" for part in self.left_out))
         if self.manoeuvres:
@@ -337,6 +341,20 @@ class Diagnosis(DrawnResult):
             for f in self.findings
         )
         return table(rows, "kind", ("from [s]", "to [s]", *columns))
+
+
+def by_words(found: Sequence[Finding]) -> dict[str, list[Finding]]:
+    """Return findings by what they say, so that one sentence stands once for all its channels.
+
+    Parameters
+    ----------
+    found : sequence of Finding
+        Of one kind.
+    """
+    groups: dict[str, list[Finding]] = {}
+    for finding in found:
+        groups.setdefault(finding.message, []).append(finding)
+    return groups
 
 
 def not_read(trial: str, why: str) -> Diagnosis:

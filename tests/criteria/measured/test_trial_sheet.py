@@ -118,6 +118,8 @@ def test_a_log_that_fails_costs_the_others_nothing(day, tmp_path):
     assert warning.serious
     readable = trial_sheet([straight, day[0]], length=LENGTH)
     assert not any(w.serious for w in readable.warnings), "a log without a manoeuvre does not spoil the others' numbers"
+    [nothing] = [w for w in trial_sheet([straight, straight], length=LENGTH).warnings if w.kind == "not-measured"]
+    assert nothing.serious, "a sheet without a single number is no sheet"
     with pytest.raises(TrialError):
         trial_sheet(torn)
 
@@ -233,3 +235,10 @@ def test_a_log_with_speeds_over_ground_only_has_speeds(day):
     assert found.speeds == pytest.approx(one["u"][[int(t + found.first_execute) for t in found.times]], rel=0.01)
     assert found.speed_loss is None
     assert found.track == "positions"
+
+
+def test_a_quantity_or_a_reason_of_several_manoeuvres_is_told_once(day):
+    words = render(trial_sheet([day[0], day[0]], length=LENGTH))
+    assert "10/10 first overshoot of manoeuvres 1 and 2" in words
+    circle = render(trial_sheet(day[2], length=LENGTH))
+    assert circle.count("The drift of the circle is not beyond its uncertainty") <= 1

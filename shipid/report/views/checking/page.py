@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.numbers import given, number
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.checking.timeline import timeline
 from shipid.report.views.words import count, listed, sentence, versions_now
-from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch
+from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch, by_words
 
 #: So many findings of one kind are told one by one.
 _FULLY_TOLD = 3
@@ -36,25 +36,35 @@ def checks_page(found: Sequence[Diagnosis]) -> Page:
     """
     title = f"Check of {found[0].trial}" if len(found) == 1 else f"Check of {count(len(found), 'trial')}"
     trials = [_trial(d, f"t{k}") for k, d in enumerate(found, 1)]
+    read = [t for d, t in zip(found, trials) if d.rows]
+    several = {"named": len(found) > 1}
     return Page(
         title,
         [("", _answer(found))],
         [
             Section("Verdicts", "check/verdicts.html", {"rows": [_verdict(d) for d in found]}),
-            Section("Findings", "check/findings.html", {"trials": trials}),
-            Section("Manoeuvres", "check/manoeuvres.html", {"trials": trials}),
-            Section("How the records were read", "check/rows.html", {"trials": trials}, short="Rows", folded=True),
+            Section("Findings", "check/findings.html", {**several, "trials": trials}),
+            *(_of_records({**several, "trials": read}) if read else ()),
         ],
         footer=versions_now(),
     )
 
 
+def _of_records(view: Row) -> Iterator[Section]:
+    yield Section("Manoeuvres", "check/manoeuvres.html", view)
+    yield Section("How the records were read", "check/rows.html", view, short="Rows", folded=True)
+
+
 def _answer(found: Sequence[Diagnosis]) -> list[str]:
-    bad = [d.trial for d in found if d.serious]
+    read = [d for d in found if d.rows]
+    lost = len(found) - len(read)
+    said = [f"{sentence(count(lost, 'file'))} could not be read."] if lost else []
+    bad = [d.trial for d in read if d.serious]
     if not bad:
-        return [f"Nothing was found that would spoil an identification with {_these(found)}."]
-    said = [f"{listed(bad)} would spoil an identification as {'it is' if len(bad) == 1 else 'they are'}."]
-    if all(f.repaired for d in found for f in d.serious):
+        clean = f"Nothing was found that would spoil an identification with {_these(read)}."
+        return [*said, clean] if read else said
+    said += [f"{listed(bad)} would spoil an identification as {'it is' if len(bad) == 1 else 'they are'}."]
+    if all(f.repaired for d in read for f in d.serious):
         said.append("The repairs are certain enough to be applied: shipid check --fix -o FILE.")
     return said
 
@@ -66,7 +76,7 @@ def _these(found: Sequence[Diagnosis]) -> str:
 def _verdict(d: Diagnosis) -> Row:
     return {
         "trial": d.trial,
-        "verdict": d.verdict,
+        "verdict": d.verdict if d.rows else "not read",
         "class": "beyond" if d.serious else "",
         "findings": str(len(d.findings)),
         "serious": str(len(d.serious)),
@@ -77,7 +87,9 @@ def _verdict(d: Diagnosis) -> Row:
 def _trial(d: Diagnosis, key: str) -> Row:
     return {
         "name": d.trial,
-        "figure": timeline(d, key),
+        "figure": timeline(d, key) if d.rows else None,
+        # A file that could not be read has a reason, and no record with findings along it.
+        "unread": "" if d.rows else " ".join(f.message for f in d.findings),
         "findings": _findings(d),
         "manoeuvres": [_stretch(m) for m in d.manoeuvres],
         "rows": f"{d.rows} rows read, {d.kept} kept.",
@@ -95,7 +107,8 @@ def _findings(d: Diagnosis) -> list[Row]:
         rows += [_finding(f) for f in shown]
         rest = told[len(shown) :]
         if rest:
-            rows[-1] = {**rows[-1], "remark": f"Also: {'; '.join(f'{_channels(f)}: {f.message}' for f in rest)}."}
+            also = (f"{', '.join(map(_channels, same))}: {words}" for words, same in by_words(rest).items())
+            rows[-1] = {**rows[-1], "remark": f"Also: {'; '.join(also)}."}
     return rows
 
 

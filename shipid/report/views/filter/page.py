@@ -10,18 +10,20 @@ from scipy.special import chdtri
 
 from shipid.estimation.levels.judge_filter import not_white
 from shipid.estimation.records.observability import Observability
-from shipid.estimation.records.run import FilterRun
+from shipid.estimation.records.run import FilterRun, Innovations
 from shipid.foundation.numbers import fixed, uncertain
+from shipid.foundation.statistics import WHITE
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
 from shipid.report.views.filter.innovations import innovation_panel, innovation_row
 from shipid.report.views.filter.parameters import parameters_section
-from shipid.report.views.words import versions_now, with_unit
+from shipid.report.views.words import sentence, versions_now, with_unit
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
+_FROM_RECORD = "found from the record"
 _NOT_ASKED = "Whether the sensors show every state was not worked out; ask ExtendedKalmanFilter.observability."
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
@@ -68,7 +70,16 @@ def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
 def _answer(run: FilterRun) -> list[str]:
     kind = "Kalman filter" if run.design.linear else "extended Kalman filter"
     said = [f"The {kind} of model {run.design.base.name} filtered {run.t.size} samples of {run.record}."]
+    if run.innovations and all(_expected(i) for i in run.innovations.values()):
+        said.append("The innovations are as large as the filter expects them, and white.")
     return said + [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
+
+
+def _expected(i: Innovations) -> bool:
+    """Whether the innovations of a sensor are as the filter predicts them."""
+    if i.nis_mean is None or i.nis_band is None or i.white_p is None:
+        return False
+    return i.nis_band[0] <= i.nis_mean <= i.nis_band[1] and i.white_p >= WHITE
 
 
 def _cautions(run: FilterRun) -> list[str]:
@@ -173,7 +184,8 @@ def _noise(run: FilterRun) -> Section:
     sensors: list[Row] = []
     for name, level in zip(design.measured, design.r):
         how = shown(design.model, name)
-        sensors.append({"name": name, "level": how.number(level), "unit": how.unit})
+        origin = _FROM_RECORD if f"sensor:{name}" in run.learnt else "given or standard"
+        sensors.append({"name": name, "level": how.number(level), "unit": how.unit, "origin": origin})
     sources: list[Row] = []
     for source in design.sources:
         how = shown(design.model, source.name)
@@ -184,11 +196,19 @@ def _noise(run: FilterRun) -> Section:
                 "level": how.number(source.level),
                 "unit": f"{how.unit}{root}",
                 "kind": "per root second" if source.density else "per sample",
-                "origin": "default of the toolbox" if source.assumed else "given or declared",
+                "origin": _FROM_RECORD
+                if f"noise:{source.name}" in run.learnt
+                else "default of the toolbox"
+                if source.assumed
+                else "given or declared",
             }
         )
     added: list[Row] = []
     for name, bias in design.instruments.biases.items():
         how = shown(design.model, name)
-        added.append({"name": name, "bias": how.number(bias), "unit": how.unit})
+        row: Row = {"name": name, "bias": how.number(bias), "unit": how.unit}
+        if name in run.added:
+            std, doubt = run.added[name]
+            row = {**row, "bias": uncertain(bias * how.factor, std * how.factor), "remark": sentence(doubt)}
+        added.append(row)
     return Section("Noise levels", "filter/noise.html", {"sensors": sensors, "sources": sources, "added": added})

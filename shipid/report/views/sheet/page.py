@@ -39,7 +39,8 @@ _REVERSALS = (
     ("overshoot_uncertainties", "± [deg]"), ("extreme_headings", "Extreme [deg]"), ("times_to_check_yaw", "After [s]"),
 )  # fmt: skip
 _STAGES = (("ends", "End [s]"), ("rudders", "Rudder [deg]"), ("rates", "Rate of turn [deg/s]"))
-_TIMES = ("times", "speeds")
+#: So many quantities that are not known for one reason are told of in one sentence.
+_SHARED = 3
 
 
 def sheet_page(sheet: TrialSheet) -> Page:
@@ -57,7 +58,9 @@ def sheet_page(sheet: TrialSheet) -> Page:
         sections.append(Section("Beside the limits", "sheet/limits.html", {"columns": _LIMITS, "rows": rows}))
     if sheet.manoeuvres:
         shown = [_manoeuvre(m, sheet.length) for m in sheet.manoeuvres]
-        sections.append(Section("Manoeuvres", "sheet/manoeuvres.html", {"manoeuvres": shown}))
+        meanings = {f"{r['name']}: {r['meaning']}" for m in sheet.manoeuvres for r in _single(m.measures)}
+        view = {"manoeuvres": shown, "meanings": sorted(meanings)}
+        sections.append(Section("Manoeuvres", "sheet/manoeuvres.html", view))
     poster = _poster(sheet)
     if poster["rows"]:
         sections.append(Section("Turning circles for the wheelhouse poster", "sheet/poster.html", poster, "Poster"))
@@ -85,9 +88,13 @@ def _answer(sheet: TrialSheet) -> Iterator[str]:
         ("not decided", "not decided"),
         ("within", "within its limit"),
     ):
-        rows = [row for row in sheet.criteria if row.verdict == verdict]
-        if rows:
-            yield sentence(f"{words}: {listed([f'{row.meaning} of manoeuvre {row.manoeuvre}' for row in rows])}.")
+        named: dict[str, list[str]] = {}
+        for row in sheet.criteria:
+            if row.verdict == verdict:
+                named.setdefault(row.meaning, []).append(str(row.manoeuvre))
+        if named:
+            told = [f"{what} of manoeuvre{'s' * (len(them) > 1)} {listed(them)}" for what, them in named.items()]
+            yield sentence(f"{words}: {'; '.join(told)}.")
     if not any(row.verdict != "no limit" for row in sheet.criteria):
         yield "No manoeuvre of the standard is among them, so no limit is compared."
 
@@ -113,6 +120,7 @@ def _limit_row(row: MeasuredCriterion) -> Row:
 
 def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object]:
     measures = sailed.measures
+    rows, said = _told_once(list(_single(measures)))
     tables = [t for t in (_several(measures, _REVERSALS, "Reversal"), _several(measures, _STAGES, "Stage")) if t]
     return {
         "title": sailed.title,
@@ -122,10 +130,21 @@ def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object
         "caption": _CAPTIONS.get(type(measures).__name__, "The manoeuvre as it was measured."),
         "figure": manoeuvre_figure(measures, sailed.record, length, f"m{sailed.number}"),
         "columns": _NUMBERS,
-        "rows": list(_single(measures)),
+        "rows": rows,
         "tables": tables,
-        "notes": [sentence(note) for note in measures.notes],
+        "notes": [*said, *(sentence(note) for note in measures.notes)],
     }
+
+
+def _told_once(rows: list[Row]) -> tuple[list[Row], list[str]]:
+    """The rows without those that share a reason why they are not known, and a sentence for each such reason."""
+    shared: dict[str, list[str]] = {}
+    for row in rows:
+        if row["remark"]:
+            shared.setdefault(str(row["remark"]), []).append(str(row["name"]))
+    shared = {why: names for why, names in shared.items() if len(names) >= _SHARED}
+    said = [f"Not known: {'; '.join([names[0], *map(str.lower, names[1:])])}. {why}." for why, names in shared.items()]
+    return [row for row in rows if row["remark"] not in shared], said
 
 
 def _single(measures: Measures) -> Iterator[Row]:
@@ -137,7 +156,7 @@ def _single(measures: Measures) -> Iterator[Row]:
             continue
         ratio = known.get(f"{name.removesuffix('_distance')}{_RATIO}")
         yield {
-            "name": sentence(name.replace(_STILL, ", still water").replace("_", " ")),
+            "name": sentence(name.replace(_STILL, " in still water").replace("_", " ")),
             "value": _value(name, value, unit) + ("" if ratio is None else f" ({number(ratio, 3)} L)"),
             "meaning": sentence(meaning),
             "remark": sentence(reason) if reason else "",

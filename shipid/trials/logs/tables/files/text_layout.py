@@ -267,7 +267,7 @@ def _commented(
     raise HeaderError(
         f"'{path}', line {samples[0].first}: the first row is a sample, so there is no header to name the columns. "
         "Write a header line such as 't [s],psi [deg],r [deg/s],delta [deg]', or describe the columns by index "
-        "in a format file with header_lines = 0."
+        "in a format file: shipid format FILE drafts one."
     )
 
 
