@@ -215,8 +215,8 @@ def angle(value: float, digits: int = 4) -> str:
     digits : int
         Significant digits.
     """
-<<<<<<< HEAD
-    return shown(value, "", "rad", digits)
+    # What a simulated rudder leaves of an angle is no angle, and a zero has no sign.
+    return shown(round(value, 12) + 0.0, "", "rad", digits)
 
 
 def compass(value: float, decimals: int = 1) -> str:
@@ -232,7 +232,3 @@ def compass(value: float, decimals: int = 1) -> str:
     # Rounded first: 359.97 is 000.0, and no 360.0.
     degrees = round(float(np.rad2deg(value)), decimals) % 360
     return f"{degrees:0{4 + decimals if decimals else 3}.{decimals}f}"
-=======
-    # What a simulated rudder leaves of an angle is no angle, and a zero has no sign.
-    return shown(round(value, 12) + 0.0, "", "rad", digits)
->>>>>>> pages12
