@@ -261,6 +261,8 @@ def confidence_of(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
 _REPEATS, _BACK_AND_FORTH = 0.05, 0.25
 #: Noise of so many digits is seen in how a channel bends.
 _GRAINS = 2.0
+#: Of scattering values the slope stays within this share of its usual change for so many samples by no chance.
+_STRAIGHT, _LINE = 0.05, 8
 #: Values that stand do so for less than this share of the record.
 _STANDING = 0.3
 
@@ -282,6 +284,33 @@ def never_repeats(values: np.ndarray, stands: np.ndarray) -> bool:
     # Ramps do not repeat either, and do not come back; nor does a smooth channel bend to and fro, beyond its digits.
     back = _turns(step) if noise(values) < _GRAINS * _grain(values) else max(_turns(step), _turns(np.diff(step)) - 0.25)
     return float(np.mean(standing)) < _STANDING and back > _BACK_AND_FORTH and float(np.mean(step == 0)) < _REPEATS
+
+
+def straight_runs(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return where values that else scatter lie on a straight line: somebody drew it across a gap.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time, rising.
+    values : ndarray, shape (n,)
+        The channel.
+
+    Returns
+    -------
+    ndarray of int, shape (k, 2)
+        First and last sample of each such stretch; none of a channel whose scatter does not show beyond its digits.
+    """
+    if len(values) < 30 or noise(values) < _GRAINS * _grain(values):
+        return np.empty((0, 2), dtype=int)
+    slope = np.diff(values) / np.diff(t)
+    bend = np.abs(np.diff(slope))
+    straight = bend < _STRAIGHT * float(np.median(bend))
+    found = runs(straight)
+    found = found[found[:, 1] - found[:, 0] >= _LINE]
+    if not len(found) or _turns(np.diff(slope)) < 0.5:
+        return np.empty((0, 2), dtype=int)
+    return np.column_stack([found[:, 0], found[:, 1] + 1])
 
 
 def _turns(step: np.ndarray) -> float:
