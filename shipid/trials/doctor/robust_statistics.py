@@ -301,8 +301,8 @@ def straight_runs(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     ndarray of int, shape (k, 2)
         First and last sample of each such stretch; none of a channel whose scatter does not show beyond its digits.
     """
-    digit = _grain(values)
-    if len(values) < 30 or noise(values) < 2 * _GRAINS * digit:
+    digit = _grain(values) if len(values) >= 30 else np.inf
+    if noise(values) < 2 * _GRAINS * digit:
         return np.empty((0, 2), dtype=int)
     slope = np.diff(values) / np.diff(t)
     bend = np.abs(np.diff(slope))

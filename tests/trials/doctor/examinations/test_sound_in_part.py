@@ -269,3 +269,10 @@ def test_a_line_drawn_across_a_gap_is_found_in_the_digits_of_the_rest_and_calm_s
     assert not len(straight_runs(t, heading))
     drawn = np.round(np.where((t > 100) & (t < 140), np.interp(t, [100, 140], [heading[50], heading[70]]), heading), 2)
     assert straight_runs(t, drawn).tolist() == [[50, 70]]
+
+
+def test_a_rudder_alone_is_examined():
+    diagnosis = check_trial(
+        shipid.Trial.from_frame({"t [s]": np.arange(60.0), "delta [deg]": np.sin(np.arange(60.0) / 5)})
+    )
+    assert "no-motion" in diagnosis.kinds
