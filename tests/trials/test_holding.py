@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from shipid.trials.holding import held_on_change, repeats_of
+from shipid.trials.trial import Trial
 
 T = np.arange(0, 200, 0.5)
 RUDDER = np.clip(3 * (T - 20), 0, 20) - np.clip(3 * (T - 80), 0, 40) + np.clip(3 * (T - 150), 0, 20)
@@ -60,3 +61,17 @@ def test_coarse_digits_are_no_repeats():
     assert repeats_of(np.round(25 * np.sin(2 * np.pi * rows / 900))) is None
     assert repeats_of(np.floor(0.1 * rows)) is None  # a steady turn in whole degrees
     assert repeats_of(25 * np.sin(2 * np.pi * rows / 900)) is None
+
+
+def test_an_order_in_few_rows_of_a_table_holds_until_the_next():
+    """Taken as stamps of its own the orders were up to a row late, and between them lines: of the other sign than the rudder."""
+    t = np.arange(60.0)
+    order = np.full(60, np.nan)
+    order[[0, 10, 25, 40]] = [0.0, 20.0, -20.0, 20.0]
+    trial = Trial.from_frame({"t [s]": t, "psi [deg]": np.sin(t / 10), "delta_order [deg]": order})
+    np.testing.assert_allclose(np.degrees(trial["delta_order"]), np.repeat([0.0, 20.0, -20.0, 20.0], [10, 15, 15, 20]))
+    assert any("delta_order is written only when it changes, in 4 of 60 rows" in note for note in trial.source.notes)
+    # Rows of its own are stamps of its own.
+    alone = np.where(np.isfinite(order), np.nan, np.sin(t / 10))
+    apart = Trial.from_frame({"t [s]": t, "psi [deg]": alone, "delta_order [deg]": order})
+    assert np.isfinite(apart["delta_order"]).sum() == 4

@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
-from shipid.trials.errors import ColumnUnitError, NoUnitError, UnknownColumnError
+from shipid.trials.errors import ClockError, ColumnUnitError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.conversion import in_si, put_right
 from shipid.trials.logs.drafting.names import meaning_of
 from shipid.trials.logs.missing import marked_samples
@@ -105,6 +105,8 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
         If no column can be the clock.
     NoUnitError
         If the only column that can be says no unit.
+    ClockError
+        If its stamps cannot be read.
     """
     fmt = record.format
     names: dict[str, str] = {}
@@ -113,7 +115,8 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
     else:
         record = _with_clock(record)
     if "t" not in record.values:
-        raise next(fault for fault in record.faults if isinstance(fault, UnknownColumnError | NoUnitError))
+        clocks = UnknownColumnError | NoUnitError | ClockError
+        raise next(fault for fault in record.faults if isinstance(fault, clocks))
     record, assumed = _with_units(record)
     notes, faults = record.notes, record.faults
     if record.window is not None and (fmt is None or fmt.interval is None):

@@ -261,6 +261,8 @@ def confidence_of(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
 _REPEATS, _BACK_AND_FORTH = 0.05, 0.25
 #: Noise of so many digits is seen in how a channel bends.
 _GRAINS = 2.0
+#: Of scattering values the slope stays within this share of its small changes for so many samples by no chance.
+_STRAIGHT, _LINE = 0.02, 8
 #: Values that stand do so for less than this share of the record.
 _STANDING = 0.3
 
@@ -284,6 +286,35 @@ def never_repeats(values: np.ndarray, stands: np.ndarray) -> bool:
     return float(np.mean(standing)) < _STANDING and back > _BACK_AND_FORTH and float(np.mean(step == 0)) < _REPEATS
 
 
+def straight_runs(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return where values that else scatter lie on a straight line: somebody drew it across a gap.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time, rising.
+    values : ndarray, shape (n,)
+        The channel.
+
+    Returns
+    -------
+    ndarray of int, shape (k, 2)
+        First and last sample of each such stretch; none of a channel whose scatter does not show beyond its digits.
+    """
+    digit = _grain(values) if len(values) >= 30 else np.inf
+    if noise(values) < 2 * _GRAINS * digit:
+        return np.empty((0, 2), dtype=int)
+    slope = np.diff(values) / np.diff(t)
+    bend = np.abs(np.diff(slope))
+    # A line is printed with the digits of the rest.
+    straight = bend < max(_STRAIGHT * float(np.quantile(bend, 0.25)), 1.01 * digit / float(np.median(np.diff(t))))
+    found = runs(straight)
+    found = found[found[:, 1] - found[:, 0] >= _LINE]
+    if not len(found) or _turns(np.diff(slope)) < 0.5:
+        return np.empty((0, 2), dtype=int)
+    return np.column_stack([found[:, 0], found[:, 1] + 1])
+
+
 def _turns(step: np.ndarray) -> float:
     """Share of steps that go back on the one before."""
     return float(np.mean(step[1:] * step[:-1] < 0)) if step.size > 2 else 0.0
@@ -291,5 +322,7 @@ def _turns(step: np.ndarray) -> float:
 
 def _grain(values: np.ndarray) -> float:
     """Least distance between values that differ: a digit, or of values that never repeat nearly nothing."""
-    apart = np.diff(np.unique(values))
-    return float(np.quantile(apart, 0.05)) if apart.size else 0.0
+    apart = np.diff(np.sort(values))
+    # Less is the rounding of numbers in another unit.
+    apart = apart[apart > 1e-9 * float(np.ptp(values))]
+    return float(apart.min()) if apart.size else 0.0

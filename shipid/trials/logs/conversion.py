@@ -94,6 +94,19 @@ def _hold_on_change(values: dict[str, np.ndarray], notes: list[str]) -> None:
             notes.append(
                 f"{name} is written only when it changes: its value holds until the next, in {filled} of {t.size} rows."
             )
+    order = values.get("delta_order")
+    if order is None:
+        return
+    # Written in a row of the others it has the stamp of that row, and not one of its own.
+    there = np.flatnonzero(np.isfinite(order))
+    others = [np.isfinite(values[c]) for c in values if c in FIELDS and c not in ("t", "delta_order")]
+    beside = np.any(others, axis=0)[there] if others else np.zeros(there.size, dtype=bool)
+    if 2 <= there.size < 0.3 * t.size and np.mean(np.diff(order[there]) != 0) > 0.9 and beside.mean() > 0.8:
+        last = np.searchsorted(there, np.arange(t.size), side="right") - 1
+        values["delta_order"] = np.where(last >= 0, order[there[last.clip(0)]], np.nan)
+        notes.append(
+            f"delta_order is written only when it changes, in {there.size} of {t.size} rows: it holds until the next."
+        )
 
 
 def without_repeats(record: LenientRecord) -> LenientRecord:

@@ -164,9 +164,15 @@ def _detected(trial: Trial, faults: Faults) -> str:
     raise NotAManoeuvreError(
         f"trial '{trial.name}' is neither a zig-zag nor a turning circle: the rudder does not go from one held angle to "
         "the opposite one at two regular headings, and the heading does not change by 90 deg on one rudder angle. "
-        f"{instead_of_manoeuvre(trial, steering, psi)} "
+        f"{instead_of_manoeuvre(trial, steering, psi)} {_doctor_says(faults, steering.channel.name)}"
         "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
     )
+
+
+def _doctor_says(faults: Faults, rudder: str) -> str:
+    """What the doctor is sure of that may hide a manoeuvre, in words."""
+    said = [note for note in faults.notes(("psi", rudder)) if note.serious]
+    return f"The doctor finds {'; '.join(map(str, said))}. " if said else ""
 
 
 def _heading(steering: Steering, psi: Channel, plate: Plate) -> np.ndarray:

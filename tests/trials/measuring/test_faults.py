@@ -312,3 +312,16 @@ def test_a_heading_that_stands_still_near_its_peak_is_in_the_interval(logged, in
         assert abs(np.degrees(found.overshoots[0]) - overshoots[0]) < np.degrees(found.overshoot_uncertainties[0])
     # The next peak is sound, and stated as closely as before.
     assert found.overshoot_uncertainties[1] == pytest.approx(measure(trial).overshoot_uncertainties[1], rel=0.2)
+
+
+def test_a_straight_line_across_a_gap_shows_no_peak(logged):
+    """A logger drew the heading from 37 to 70 s: 1.5 deg for 13.5 stood there."""
+    trial, *_ = logged(0.5, noise=0.05)
+    frame = trial.to_frame()
+    t = trial["t"]
+    known = (t <= 37) | (t >= 70)
+    frame["psi [deg]"] = np.interp(t, t[known], frame["psi [deg]"][known])
+    found = measure(Trial.from_frame(frame))
+    assert found.overshoots[0] is None and "frozen 37 to 70 s" in found.reasons["overshoots[1]"]
+    assert any("one straight line" in str(note) for note in found.notes)
+    assert not measure(trial).notes

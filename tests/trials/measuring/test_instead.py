@@ -134,3 +134,17 @@ def test_a_ship_that_loses_her_way(logged):
     frame["u [m/s]"] = 8 * np.exp(-frame["t [s]"] / 60)
     [told] = [n for n in measure(Trial.from_frame(frame)).notes if getattr(n, "kind", "") == "propeller"]
     assert told.serious and "no rudder brakes a ship so far" in told
+
+
+@pytest.mark.parametrize("rate", [True, False])
+def test_a_rudder_that_counts_to_port_is_named_where_nothing_is_measured(logged, rate):
+    """Without a rate of turn the sign is told from the heading."""
+    trial, *_ = logged(0.5, noise=0.05)
+    frame = trial.to_frame()
+    frame["delta [deg]"] *= -1.0
+    if rate:
+        frame["r [deg/s]"] = np.degrees(np.gradient(trial["psi"], trial["t"]))
+    with pytest.raises(
+        e.NotAManoeuvreError, match=r"The doctor finds rudder-sign .*positive delta turns the ship to port"
+    ):
+        measure(Trial.from_frame(frame))

@@ -50,6 +50,9 @@ _COMPACT = re.compile(
     rf"(?P<p>(?!))?{_ZONE}"
 )
 _MINUTES = re.compile(r"(?P<M>\d{1,4}):(?P<S>\d{2})[.,](?P<F>\d+)")
+#: Chinese and Japanese write the units behind the numbers, and so do French (23h58m20s).
+_BEHIND = str.maketrans({"年": "-", "月": "-", "日": " ", "时": ":", "時": ":", "分": ":", "秒": None})
+_HOURS = re.compile(r"\b(\d{1,2}) ?h ?(\d{2})(?: ?(?:min|mn|m)? ?(\d{2}(?:[.,]\d+)?) ?s?)?(?: ?(?:min|mn|m))?$")
 _GROUPS = ("a", "b", "c", "H", "M", "S", "F", "p", "z", "o")
 
 
@@ -162,6 +165,10 @@ def _groups(cell: str) -> tuple[str, ...]:
     """The parts of a cell, empty where it lacks them."""
     if "day" in cell and (match := _DAYS.fullmatch(cell)) is not None:
         cell = f"{24 * int(match['days']) + int(match['hours'])}{match['rest']}"
+    if not cell.isascii():
+        cell = cell.translate(_BEHIND).strip(" :")
+    elif "h" in cell:
+        cell = _HOURS.sub(lambda found: ":".join(filter(None, found.groups())), cell)
     match = _DATED.fullmatch(cell) or _COMPACT.fullmatch(cell) or _YEAR_LAST.fullmatch(cell)
     if match is not None:
         return _filled(match.group(*_GROUPS))

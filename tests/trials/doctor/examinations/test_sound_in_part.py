@@ -12,6 +12,7 @@ import shipid
 from shipid.foundation.errors import ShipidError
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.repair import NoSafeRepairError, fix_trial
+from shipid.trials.doctor.robust_statistics import straight_runs
 
 
 def columns(trial, *names):
@@ -258,3 +259,20 @@ def test_a_coarse_zigzag_of_a_nimble_ship_is_no_closed_loop(sampling):
         "closed-loop"
         not in check_trial(shipid.simulate("nomoto", "zeefakkel", "zigzag:10/10", sampling=sampling)).kinds
     )
+
+
+def test_a_line_drawn_across_a_gap_is_found_in_the_digits_of_the_rest_and_calm_stretches_are_none():
+    """A rough record has calm stretches, which bend little for it: they are no lines."""
+    random, t = np.random.default_rng(4), np.arange(0.0, 600.0, 2.0)
+    rough = np.where((t > 200) & (t < 300), 0.0, 1.0) * np.cumsum(np.cumsum(random.normal(0, 0.02, t.size)) * 0.5)
+    heading = 30 * np.sin(t / 40) * (t < 200) + rough + random.normal(0, 0.05, t.size)
+    assert not len(straight_runs(t, heading))
+    drawn = np.round(np.where((t > 100) & (t < 140), np.interp(t, [100, 140], [heading[50], heading[70]]), heading), 2)
+    assert straight_runs(t, drawn).tolist() == [[50, 70]]
+
+
+def test_a_rudder_alone_is_examined():
+    diagnosis = check_trial(
+        shipid.Trial.from_frame({"t [s]": np.arange(60.0), "delta [deg]": np.sin(np.arange(60.0) / 5)})
+    )
+    assert "no-motion" in diagnosis.kinds

@@ -54,3 +54,17 @@ def test_plates_are_no_standing_rudder(zigzag, digit):
     if digit:
         frame["delta [deg]"] = np.round(frame["delta [deg]"] / digit) * digit
     assert "frozen" not in check_trial(Trial.from_frame(frame, name="whole")).kinds
+
+
+def test_a_rudder_at_its_stop_does_not_stand():
+    """Under an autopilot it moves all the time, and lies at 25 deg in two changes of course."""
+    t = np.arange(0.0, 600.0, 1.0)
+    random = np.random.default_rng(3)
+    wanted = (
+        3 * np.sin(t / 9) + random.normal(0, 1, t.size) + 40 * ((t > 200) & (t < 220)) - 40 * ((t > 400) & (t < 415))
+    )
+    psi = np.cumsum(np.convolve(wanted.clip(-25, 25), np.ones(10) / 10, "same")) * 0.05
+    trial = Trial.from_frame(
+        {"t [s]": t, "psi [deg]": psi + random.normal(0, 0.05, t.size), "delta [deg]": wanted.clip(-25, 25)}
+    )
+    assert "frozen" not in check_trial(trial).kinds

@@ -66,3 +66,17 @@ def test_the_name_of_a_zone_is_kept_where_its_offset_is_not_known():
     assert read_stamps(["2026-05-04 10:00:00 EST"] * 2).zone == "EST"
     stamps = read_stamps(["2026-05-04 10:00:00 EST", "2026-05-04 10:00:01 Z"])
     assert stamps.zone == "" and stamps.bad.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "2026年11月30日 23时58分20秒",
+        "2026年11月30日23時58分20秒",
+        "30/11/2026 23h58m20s",
+        "30/11/2026 23 h 58 min 20 s",
+    ],
+)
+def test_units_behind_the_numbers(cell):
+    found = read_stamps([cell])
+    assert not found.bad[0] and found.time[0] == 86300.0 and set(found.date[0]) == {2026, 11, 30}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
+from shipid.trials.logs.nmea.sentences.lines import split_line
 from shipid.trials.logs.reading import read_trial
 
 KNOT = 0.5144444444444445  # m/s
@@ -234,3 +235,8 @@ def test_fields_are_those_of_another_parser(sentence, text, fields):
 def test_text_where_a_number_has_to_stand(text):
     with pytest.raises(ValueError, match=r"."):
         CARRIED[text[2:5]][1](text.split(","))
+
+
+def test_spaces_before_a_star_without_a_checksum_are_no_field():
+    """The heading of a log was left out without a word: its last field was 'T ', which is no true heading."""
+    assert split_line("$HEHDT,350.0,T *").text == "$HEHDT,350.0,T"

@@ -10,6 +10,10 @@ from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.signals.order import LATE, LATE_SAMPLES, lag_behind_order, order_against_feedback
+from shipid.trials.signals.series import smoothed
+
+_CALM = 0.01
+"""Share of the record over which the rate of turn is averaged, where it is taken from the heading."""
 
 
 def examine_movement(p: WorkingCopy) -> None:
@@ -38,7 +42,7 @@ def examine_sign(p: WorkingCopy) -> None:
         The record; whether a helm law drives the rudder has been looked at.
     """
     name = p.rudder
-    if name is None or len(p) < 30 or not p.has("r") or p.found("no-rudder-movement"):
+    if name is None or len(p) < 30 or not (p.has("r") or p.has("psi")) or p.found("no-rudder-movement"):
         return
     if _sign(p, name) and p.has("delta", "delta_order"):
         _sign(p, "delta_order", say=False)
@@ -113,9 +117,10 @@ def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.RobustLi
 
 def _sign(p: WorkingCopy, name: str, say: bool = True) -> bool:
     """Find a rudder that counts to port; whether the sign was changed."""
-    known = ~p.blind(name, "r")
-    t, delta, r = p.t[known], p[name][known], p["r"][known]
-    fitted, seen = checks.turns_to_port(t, delta, r), _answers_to_port(p, name)
+    rate = p["r"] if p.has("r") else smoothed(p.t, np.gradient(p["psi"], p.t), _CALM * float(np.ptp(p.t)))
+    known = ~p.blind(name, "r" if p.has("r") else "psi")
+    t, delta, r = p.t[known], p[name][known], rate[known]
+    fitted, seen = checks.turns_to_port(t, delta, r), _answers_to_port(p, name, rate)
     if not (fitted or seen):
         return False
     if not say:
@@ -144,9 +149,9 @@ def _in_every_part(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     return True
 
 
-def _answers_to_port(p: WorkingCopy, name: str) -> bool:
+def _answers_to_port(p: WorkingCopy, name: str, r: np.ndarray) -> bool:
     """Whether the ship, at the end of a stretch of rudder, turns to the other side, at nearly all stretches."""
-    delta, r = p[name], p["r"]
+    delta = p[name]
     high = 0.3 * float(np.quantile(np.abs(delta), 0.95))
     ends = [robust.runs(side * delta > high) for side in (1, -1)]
     index = np.concatenate([e[:, 1] - 1 for e in ends])
@@ -155,7 +160,7 @@ def _answers_to_port(p: WorkingCopy, name: str) -> bool:
         return False
     held = index[long >= 0.3 * float(np.median(long))]
     answer = np.sign(delta[held]) * r[held]
-    clear = np.abs(answer) > max(0.2 * float(np.quantile(np.abs(r), 0.9)), 4 * p.noise("r"))
+    clear = np.abs(answer) > max(0.2 * float(np.quantile(np.abs(r), 0.9)), 4 * (p.noise("r") if p.has("r") else 0.0))
     against = int(np.sum(answer[clear] < 0))
     far = False
     if p.has("psi"):

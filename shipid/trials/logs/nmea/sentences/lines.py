@@ -93,6 +93,8 @@ def split_line(line: str) -> Sentence | None:
     text = line[at : match.end(2)]
     if match[3] is None and line[:at].endswith('"'):
         text = text.rstrip('"')  # a cell of a table in quotes
+    if match[3] is None:
+        text = text.rstrip()
     return Sentence(match[1], text, match[3], line[:at])
 
 
