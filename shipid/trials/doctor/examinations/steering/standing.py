@@ -20,9 +20,6 @@ _BACK, _BEFORE = 0.25, 0.5
 #: The rudder that stands lies over by this share of its range.
 _OVER = 0.25
 
-_STOP = 0.999
-"""Share of its largest angle from which on a rudder is at its stop."""
-
 
 def examine_standing_rudder(p: WorkingCopy) -> None:
     """Find stretches in which the rudder angle repeats one value although the rudder moves.
@@ -47,21 +44,12 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
     if not len(stands):
         return
     rattles = robust.never_repeats(values, stands)
-<<<<<<< HEAD
     # An autopilot may put the rudder as far over as it is allowed, and there it stands: no sample lies beyond.
     ends = float(values.min()), float(values.max())
     found = [
         (_since(t, values, a, b, rate) if leaps[b] and not rattles else a, b)
         for a, b in stands
         if (rattles and values[a] not in ends) or leaps[b] or _turns_back(p, index[a], index[b])
-=======
-    # Under an autopilot a rudder moves all the time, and stands where it can go no farther.
-    stop = _STOP * float(np.abs(values).max())
-    found = [
-        (_since(t, values, a, b, rate) if leaps[b] and not rattles else a, b)
-        for a, b in stands
-        if (rattles and abs(values[a]) < stop) or leaps[b] or _turns_back(p, index[a], index[b])
->>>>>>> logs
     ]
     if not found:
         return
