@@ -163,6 +163,8 @@ def in_wind(model: Model) -> Model:
 
 #: What the name of a model may end in, and what makes that model of the one without it.
 _ENDINGS: dict[str, Callable[[Model], Model]] = {DELAYED: delayed, IN_WIND: in_wind, **_LOADED}
+#: What `shipid.identify` may add to a model unasked, at the end of its name.
+ADDED = (DELAYED, *_LOADED)
 
 
 def names_a_file(name: str) -> bool:

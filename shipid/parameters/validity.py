@@ -10,6 +10,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.notices import Notice
+from shipid.parameters.catalogue import ADDED
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import ParameterSet
 
@@ -26,7 +27,7 @@ _AMPLITUDES = (
 #: Quantities beyond whose range a band grows.
 _GROWS = ("delta", "r")
 #: Kinds of the notices.
-BEYOND, UNKNOWN = "beyond-what-was-fitted", "range-not-known"
+BEYOND, UNKNOWN, OTHERWISE = "beyond-what-was-fitted", "range-not-known", "identified-otherwise"
 
 
 def range_of(ship: ParameterSet, model: Model) -> tuple[str, Joint] | None:
@@ -117,7 +118,7 @@ def beyond(
     found = range_of(ship, model)
     known = None if found is None else found[1]
     unstated = _unstated(known, rudder is not None)
-    notices = []
+    notices = _identified_otherwise(model, ship)
     if unstated:
         notices.append(
             Notice(
@@ -160,6 +161,24 @@ def beyond(
         _other_loading(section, ship, m, value, span) for m, value, span in _loadings(model, known, loading or {})
     ]
     return notices
+
+
+def _identified_otherwise(model: Model, ship: ParameterSet) -> list[Notice]:
+    """What has to be said where the coefficients of a model were found with a part that the trials asked for, and it reads others."""
+    if model.name in ship.joint and ship.joint[model.name].names:
+        return []
+    for name, joint in ship.joint.items():
+        base, *ends = name.removeprefix(model.name).split("-") if name.startswith(model.name) else [name]
+        if not base and joint.names and ends and all(f"-{end}" in ADDED for end in ends):
+            return [
+                Notice(
+                    f"Ship {ship.name} was identified with [{name}], and model {model.name} reads other coefficients of hers: name the "
+                    f"model {name}.",
+                    OTHERWISE,
+                    serious=True,
+                )
+            ]
+    return []
 
 
 def speed_given(inputs: Mapping[str, float]) -> float | None:
@@ -281,7 +300,7 @@ def beyond_in_run(
     largest = {n: _largest(np.abs(run[n])) for n in ("delta", "r") if n in run}
     drift = _largest(np.abs(np.arctan2(run["v"], run["u"]))) if "u" in run and "v" in run else None
     found = beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift, grown=grown)
-    return [n for n in found if n.kind == BEYOND] if known else found
+    return [n for n in found if n.kind != UNKNOWN] if known else found
 
 
 def _largest(sizes: np.ndarray) -> float | None:

@@ -13,7 +13,7 @@ from shipid.identification.uncertainty.amplitudes import largest_amplitudes, rec
 from shipid.parameters.catalogue import find_model, find_ship
 from shipid.parameters.correlation import Joint
 from shipid.parameters.ship_coefficients import coefficients_at
-from shipid.parameters.validity import BEYOND, UNKNOWN, beyond, beyond_in_run, range_of
+from shipid.parameters.validity import BEYOND, OTHERWISE, UNKNOWN, beyond, beyond_in_run, range_of
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
 DEG = np.pi / 180
@@ -57,6 +57,22 @@ def test_a_range_that_is_not_stated_is_said_once():
 def test_a_table_against_speed_has_its_range():
     section, known = range_of(find_ship("zeefakkel"), MODEL)
     assert (section, known.speeds) == ("nomoto", (2.0, 6.2))
+
+
+@pytest.mark.parametrize("added", ["-draught", "-delay", "-delay-displacement"])
+def test_a_part_that_identify_added_unasked_is_named_where_it_is_left_out(added):
+    """identify --model nomoto wrote [nomoto-draught], and predict nomoto read the published coefficients without a word."""
+    fitted = Joint(("K",), ((1.0,),))
+    own = replace(find_ship("soesterberg"), joint={"nomoto" + added: fitted})
+    said = f"identified with [nomoto{added}], and model nomoto reads other coefficients of hers: name the model nomoto{added}."
+    (told,) = [n for n in beyond(MODEL, own) if n.kind == OTHERWISE]
+    assert told.serious and said in told
+    for other in (
+        {"nomoto": fitted, "nomoto" + added: fitted},
+        {"nomoto-second-order": fitted},
+        {"nomoto" + added: Joint((), ())},
+    ):
+        assert OTHERWISE not in {n.kind for n in beyond(MODEL, replace(own, joint=other))}
 
 
 def test_a_joined_model_takes_the_range_of_its_components():

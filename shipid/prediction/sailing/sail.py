@@ -28,8 +28,8 @@ from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
 from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.tracks.order import unwrapped
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, parts_in_wind
-from shipid.trials.manoeuvres.noise import measured, parse_noise
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, met_words, number, parts_in_wind
+from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
 from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source
@@ -173,7 +173,8 @@ def sail(
     said = ", ".join(f"{shown(h % (2 * np.pi), 'psi')} at {w:.4g} s" for w, h in orders)
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {truth.name}, ship {pilot.ship.name}, autopilot "
-        f"({pilot.design}) ordered {said}, {u0:.4g} m/s, seed {seed}"
+        f"({pilot.design}) ordered {said}, {u0:.4g} m/s, noise {noise_words(deviations)}, seed {seed}"
+        f"{met_words(current, wind, waves, driven_by(truth)[1])}"
     )
     told = beyond_in_run(truth, pilot.ship, u0, {n: run[q] for n, q in recorded.items()})
     return Trial(

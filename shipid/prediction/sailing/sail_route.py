@@ -34,8 +34,8 @@ from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.sailing.voyage import LimitLeft, Voyage, WheelOverDone
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number, parts_in_wind
-from shipid.trials.manoeuvres.noise import measured, parse_noise
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, met_words, number, parts_in_wind
+from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
 from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source, origin_words
@@ -165,7 +165,8 @@ def sail_route(
         _, driven = with_waves(truth, waves, known, {}, pilot.length, u0, interval / run.fine, size, seed)
         run.pushed, run.waves = pushed, np.asarray(driven[pushed]).reshape(-1, run.fine)
     run.sail(end)
-    return _voyage(run, pilot, route, parse_noise(noise), seed, told, name or route.name)
+    met = met_words(current, wind, waves, driven_by(truth)[1])
+    return _voyage(run, pilot, route, parse_noise(noise), seed, met, told, name or route.name)
 
 
 def _speed(pilot: Autopilot, route: Route, speed: str | float | None, told: list[str]) -> float:
@@ -328,6 +329,7 @@ def _voyage(
     route: Route,
     deviations: Mapping[str, float],
     seed: int,
+    met: str,
     told: list[str],
     name: str,
 ) -> Voyage:
@@ -351,7 +353,8 @@ def _voyage(
     origin = "" if route.origin is None else f"\n{origin_words(route.origin)}"
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {ship.pilot.model.name}, ship {ship.pilot.ship.name}, autopilot "
-        f"({pilot.design}) and track pilot on route '{' '.join(route.name.split())}', {ship.speed:.4g} m/s, seed {seed}{origin}"
+        f"({pilot.design}) and track pilot on route '{' '.join(route.name.split())}', {ship.speed:.4g} m/s, "
+        f"noise {noise_words(deviations)}, seed {seed}{met}{origin}"
     )
     source = Source(simulated=True, comment=comment, notes=(comment, *told), origin=route.origin)
     units = {"psi_order": "rad", "off_track": "m", "waypoint": "1"}

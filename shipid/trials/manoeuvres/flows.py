@@ -87,6 +87,20 @@ def said_of(flow: Flow, unit: str = "m/s") -> str:
     return f"{size} to {direction}"
 
 
+def met_words(current: Flow | None, wind: Flow | None, waves: Flow | None, unit_of_waves: str = "rad") -> str:
+    """Return what a simulated ship met in words, as ``"; wind 10 m/s from 270 deg"``; empty for nothing.
+
+    Parameters
+    ----------
+    current, wind, waves : str or tuple, optional
+        See `said_of`.
+    unit_of_waves : str
+        Of the size of the waves, SI.
+    """
+    all_of_it = (("current", current, "m/s"), ("wind", wind, "m/s"), ("waves", waves, unit_of_waves))
+    return "".join(f"; {what} {said_of(flow, unit)}" for what, flow, unit in all_of_it if flow is not None)
+
+
 def check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
     """Raise an error for a current or a wind that does not act on a model.
 

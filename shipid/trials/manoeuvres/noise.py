@@ -8,12 +8,23 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration.units import Typed, to_si
-from shipid.declaration.vocabulary import FIELDS
+from shipid.declaration.vocabulary import FIELDS, shown
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.parts.sensors import LARGEST_LEVEL, SMALLEST_LEVEL, standard_noise
 
 #: What a trial with sensors holds only where one of them measures it: speeds through the water, roll, shaft speed.
 _ONLY_MEASURED = {"u", "v", "n", "phi", "p"}
+
+
+def noise_words(deviations: Mapping[str, float]) -> str:
+    """Return the noise of a simulated trial in words: ``"psi 0.2 deg, r 0.02 deg/s"``, or ``"none"``.
+
+    Parameters
+    ----------
+    deviations : mapping of str to float
+        Standard deviations by column, SI.
+    """
+    return ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
 
 
 def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float]:

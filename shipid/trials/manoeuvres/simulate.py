@@ -13,7 +13,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import FIELDS, shown
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.simulator import make_simulator
@@ -26,9 +26,9 @@ from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
 from shipid.parts.sensors import shown_by
 from shipid.parts.waves import Waves
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, parts_in_wind, said_of
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, met_words, number, parts_in_wind
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
-from shipid.trials.manoeuvres.noise import measured, parse_noise
+from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
 from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, driven_by, froude_share, wave_noise
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
@@ -195,17 +195,12 @@ def simulate(
     told = flow_inputs(None, wind)
     held |= {n: v % (2 * np.pi) if n == "wind_direction" else v for n, v in told.items() if n in model.inputs}
     table = table.assign(**held)
-    noises = ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
-    met = "".join(
-        f"; {what} {said_of(w, unit)}"
-        for what, w, unit in (("current", current, "m/s"), ("wind", wind, "m/s"), ("waves", waves, unit_of_waves))
-        if w is not None
-    )
+    met = met_words(current, wind, waves, unit_of_waves)
     met += "".join(f"; {n} {value} held" for n, value in (inputs or {}).items())
     changed = "".join(f", {n} {value}" for n, value in (values or {}).items())
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
-        f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{met}"
+        f"{u0:.4g} m/s{changed}, noise {noise_words(deviations)}, seed {seed}{met}"
     )
     # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
     notes = beyond_in_run(model, ship, u0, columns, known=True)
