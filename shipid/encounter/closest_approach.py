@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -21,11 +21,13 @@ if TYPE_CHECKING:
 _STEADY = 1e-6
 #: With a relative speed of fewer standard deviations than this, first derivatives do not tell the spread.
 _LINEAR = 10.0
+#: With a relative speed of fewer standard deviations than this nothing says which way the ships move past each other.
+_SURELY = 2.5
 _DRAWS = 8192
 _SIZE = 4
 
-#: Whether the closest approach lies ahead in time, is past, or the range does not change.
-Motion = Literal["closing", "opening", "steady"]
+#: Whether the closest approach lies ahead in time, is past, the range does not change, or that is not known.
+Motion = Literal["closing", "opening", "steady", "unsure"]
 _UNITS = {"range": "m", "relative_speed": "m/s", "cpa": "m", "tcpa": "s", "nearest": "m", "domain": "m", "chance": "1"}
 
 
@@ -40,15 +42,17 @@ class ClosestApproach(Result):
     relative_speed : float
         m/s.
     cpa : float
-        Distance at the closest point of approach, m, also where it is past; the range where that does not change.
+        Distance at the closest point of approach, m, also where it is past; the range where that does not change; NaN where the motion
+        is not sure.
     tcpa : float
-        Time to it in s; negative where it is past, NaN where the range does not change.
+        Time to it in s; negative where it is past, NaN where the range does not change or the motion is not sure.
     nearest : float
-        The smallest distance from now to the horizon, m.
-    motion : {"closing", "opening", "steady"}
-        Whether the closest approach lies ahead, is past, or the range does not change.
-    miss : tuple of float
-        Position of the other ship relative to own ship at the closest approach, north and east in m.
+        The smallest distance from now to the horizon, m; NaN where the motion is not sure.
+    motion : {"closing", "opening", "steady", "unsure"}
+        Whether the closest approach lies ahead, is past, or the range does not change; unsure where the relative speed may well be
+        none: then only the intervals are known.
+    miss : tuple of float or None
+        Position of the other ship relative to own ship at the closest approach, north and east in m; None where that is not known.
     cpa_std, tcpa_std : float or None
         Standard deviations by first derivatives, m and s. That of `cpa` belongs to the distance with the sign of the
         side. None where no covariance is given, and where the relative speed has fewer than ten standard deviations.
@@ -66,7 +70,7 @@ class ClosestApproach(Result):
     tcpa: float
     nearest: float
     motion: Motion
-    miss: tuple[float, float]
+    miss: tuple[float, float] | None
     cpa_std: float | None = None
     tcpa_std: float | None = None
     cpa_interval: tuple[float, float] | None = None
@@ -159,9 +163,18 @@ def closest_approach(
     nearest = float(nearest_distance(relative, horizon))
     north, east = relative[:2] + (0.0 if speed < _STEADY else tcpa * relative[2:])
     motion: Motion = "steady" if speed < _STEADY else "closing" if tcpa > 0 else "opening"
-    plainly = (float(np.hypot(*relative[:2])), speed, abs(signed), tcpa, nearest, motion, (float(north), float(east)))
+    found = ClosestApproach(
+        float(np.hypot(*relative[:2])),
+        speed,
+        abs(signed),
+        tcpa,
+        nearest,
+        motion,
+        (float(north), float(east)),
+        domain=domain,
+    )
     if covariance is None and own_covariance is None:
-        return ClosestApproach(*plainly, domain=domain)
+        return found
     both = sum(
         _covariance(c, w) for c, w in ((covariance, "the target"), (own_covariance, "own ship")) if c is not None
     )
@@ -169,14 +182,18 @@ def closest_approach(
     drawn = relative + _normal_draws() @ root.T
     times, distances = _approach(drawn)
     near = nearest_distance(drawn, horizon)
-    return ClosestApproach(
-        *plainly,
-        *_first_order(relative, root),
-        _interval(np.abs(distances)),
-        _interval(times),
-        _interval(near),
-        domain,
-        None if domain is None else float(np.mean(near < domain)),
+    if _STEADY <= speed < _SURELY * float(np.linalg.norm(relative[2:] / speed @ root[2:])):
+        # What hardly moves goes any way at all: the approach of its mean motion lies outside its own interval.
+        found = replace(found, cpa=np.nan, tcpa=np.nan, nearest=np.nan, motion="unsure", miss=None)
+    cpa_std, tcpa_std = _first_order(relative, root)
+    return replace(
+        found,
+        cpa_std=cpa_std,
+        tcpa_std=tcpa_std,
+        cpa_interval=_interval(np.abs(distances)),
+        tcpa_interval=_interval(times),
+        nearest_interval=_interval(near),
+        chance=None if domain is None else float(np.mean(near < domain)),
     )
 
 

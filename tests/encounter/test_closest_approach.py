@@ -121,3 +121,13 @@ def test_what_is_no_motion_is_refused():
         closest_approach((1, 2, 3, 4), domain=0.0)
     with pytest.raises(EncounterRequestError, match="the horizon is -1"):
         closest_approach((1, 2, 3, 4), horizon=-1.0)
+
+
+def test_what_may_lie_still_has_no_closest_approach_but_an_interval():
+    """A buoy at 2.8 km that seems to drift by 0.2 m/s: its mean motion would lead to 68 m, outside the 95 % interval."""
+    met = closest_approach([2000.0, 2000.0, 0.14, 0.14], covariance=np.diag([80.0, 80.0, 0.6, 0.6]))
+    assert met.motion == "unsure" and met.miss is None and np.isnan([met.cpa, met.tcpa, met.nearest]).all()
+    assert met.range == pytest.approx(2828, abs=1) and met.cpa_interval[0] < 500 < 2500 < met.cpa_interval[1]
+    plain = json.loads(json.dumps(met.to_dict(), allow_nan=False))
+    assert plain["cpa"] is None and plain["miss"] is None and "closest approach, unsure" in met.text()
+    assert closest_approach([2000.0, 2000.0, 3.0, 0.0], covariance=np.diag([80.0, 80.0, 0.6, 0.6])).motion == "opening"

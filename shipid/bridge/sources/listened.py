@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from shipid.bridge.core.source import SourceKind, SourceReading, SourceState, Ta
 from shipid.bridge.sources.hosts import check_host, why_not_reached
 from shipid.bridge.sources.line_queue import LineQueue
 from shipid.bridge.sources.radar_targets import target_of
+from shipid.bridge.sources.senders import Senders
 from shipid.foundation.errors import UsageError
 from shipid.trials.errors import TrialError
 from shipid.trials.logs.live.nmea import LiveNmea
@@ -93,7 +95,7 @@ class ListenedSource:
             self._tasks = [asyncio.create_task(self._connect())]
             return
         self._transport, _ = await asyncio.get_running_loop().create_datagram_endpoint(
-            lambda: _Datagrams(self._queue), sock=self._socket
+            lambda: _Datagrams(self._queue, Senders(self._say, time.monotonic)), sock=self._socket
         )
 
     async def stop(self) -> None:
@@ -197,9 +199,9 @@ def _bound(host: str | None, port: int) -> socket.socket:
 class _Datagrams(asyncio.DatagramProtocol):
     """Datagrams of sentences."""
 
-    def __init__(self, queue: LineQueue) -> None:
-        self._queue = queue
+    def __init__(self, queue: LineQueue, senders: Senders) -> None:
+        self._queue, self._senders = queue, senders
 
-    def datagram_received(self, data: bytes, addr: object) -> None:
+    def datagram_received(self, data: bytes, addr: tuple[str | int, ...]) -> None:
         """Take a datagram."""
-        self._queue.feed(data, whole=True)
+        self._queue.feed(self._senders.kept(data, f"{addr[0]}:{addr[1]}"), whole=True)

@@ -16,6 +16,8 @@ _OWN_ECHO = 1.0
 _FARTHEST = 2e7
 #: An antenna that turns clockwise sees a plot so little before the one before, rad, in this share of all at most.
 _BACKWARD, _SELDOM = 0.5, 0.05
+#: A plot comes no later than this after those of its time, s; a clock that goes back farther has begun again, so often at most.
+_LATE, _PARTS = 30.0, 10
 
 
 @dataclass(frozen=True)
@@ -239,8 +241,7 @@ def make_plots(
                 count=int(echo.sum()),
             )
         )
-    if (np.diff(t[known]) < 0).any():
-        notes.append(Notice("the plots are not in the order of time; they were sorted.", "plots-out-of-order"))
+    notes += _out_of_order(t[known], sensor[known])
     rows = np.flatnonzero(known & ~echo)
     rows = rows[np.lexsort((sensor[rows], t[rows]))]
     table = np.stack([t[rows], x[rows], y[rows], sensor[rows]], axis=1)
@@ -267,6 +268,29 @@ def make_plots(
             scans.append(Scan(float(at), int(k), np.zeros((0, 2)), np.zeros(0), np.zeros(2)))
     scans.sort(key=lambda s: (s.t, s.sensor))
     return Plots(tuple(scans), tuple(sensors), frame, origin, start, tuple(notes))
+
+
+def _out_of_order(t: np.ndarray, sensor: np.ndarray) -> list[Notice]:
+    """Plots that come late are put in their place; a clock that begins again lays one time over another."""
+    if not (np.diff(t) < 0).any():
+        return []
+    for k in np.unique(sensor):
+        mine = t[sensor == k]
+        back = np.flatnonzero(np.diff(mine) < -_LATE)
+        # Within a log of several parts each goes on for long; single late plots do not.
+        parts = np.split(mine, back + 1)
+        if 0 < back.size <= _PARTS and min(np.ptp(part) for part in parts) > _LATE:
+            ago = float(mine[back[0]] - mine[back[0] + 1])
+            return [
+                Notice(
+                    f"the clock goes back by {ago:.0f} s within the log: plots that are listed target by target, or a radar or a logger that "
+                    "began again. They were sorted; where a clock began again, plots of different times lie over one another, and one ship "
+                    "is two tracks: cut the log there.",
+                    "clock-goes-back",
+                    seconds=ago,
+                )
+            ]
+    return [Notice("the plots are not in the order of time; they were sorted.", "plots-out-of-order")]
 
 
 def _count(which: np.ndarray) -> str:

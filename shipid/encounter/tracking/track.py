@@ -16,6 +16,7 @@ from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.filters.trackers import motion_of
 from shipid.encounter.tracking.remarks.contradictions import contradictions
 from shipid.encounter.tracking.remarks.own_echoes import without_own_ship
+from shipid.encounter.tracking.remarks.two_clocks import two_clocks
 from shipid.encounter.tracking.scatter import tracked
 from shipid.encounter.tracking.scoring import score_tracks
 from shipid.encounter.tracking.target_track import Status, TargetTrack
@@ -91,6 +92,7 @@ def track(
             *_warnings(found, tracks, engine),
             *own_echo,
             *scatter,
+            *two_clocks(tracks, plots),
             *_widened(tracks),
             *(contradictions(score) if score else ()),
         ),

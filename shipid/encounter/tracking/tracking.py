@@ -131,7 +131,8 @@ class Tracking(DrawnResult):
             )
         if near:
             number, first = min(near, key=lambda pair: pair[1].range)
-            return f"no track that is held comes nearer to own ship; track {number} is the nearest, at {fixed(first.range, 0)} m"
+            surely = "surely " if any(a.motion == "unsure" for _, a in near) else ""
+            return f"no track that is held {surely}comes nearer to own ship; track {number} is the nearest, at {fixed(first.range, 0)} m"
         return "the closest approach is not known"
 
     def text(self) -> str:
@@ -162,9 +163,9 @@ class Tracking(DrawnResult):
             ("not known", "", "")
             if near is None
             else (
-                f"{near.cpa:.0f}",
+                "not known" if near.motion == "unsure" else f"{near.cpa:.0f}",
                 _ends(near.cpa_interval),
-                f"{near.tcpa:.0f}" if np.isfinite(near.tcpa) else "steady",
+                f"{near.tcpa:.0f}" if np.isfinite(near.tcpa) else near.motion,
             )
         )
         spread = float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0)))

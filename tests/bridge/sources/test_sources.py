@@ -23,6 +23,7 @@ from shipid.bridge.sources.line_queue import LineQueue
 from shipid.bridge.sources.listened import ListenedSource
 from shipid.bridge.sources.radar_targets import target_of
 from shipid.bridge.sources.replayed import ReplayedSource
+from shipid.bridge.sources.senders import Senders
 from shipid.bridge.sources.signalk import SignalKSource, stream_of
 from shipid.bridge.sources.simulated import SimulatedSource
 from shipid.bridge.sources.source_of import source_of
@@ -206,7 +207,12 @@ def test_sentences_arrive_over_udp_and_tcp(make_core):
         await udp.start()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             sender.sendto(b"".join(spoken(0.0)), ("127.0.0.1", port))
-        await until(lambda: "psi" in udp.take(0.4).values)
+            await until(lambda: "psi" in udp.take(0.4).values)
+            sender.sendto(b"".join(spoken(0.0)), ("127.0.0.1", port))
+            await until(lambda: "psi" in udp.take(0.8).values)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.sendto(b"".join(spoken(0.0)), ("127.0.0.1", port))
+            await until(lambda: any("THS comes from 127.0.0.1:" in line for line in udp.take(1.2).told))
         await udp.stop()
 
         async def speak(_, writer) -> None:
@@ -224,6 +230,24 @@ def test_sentences_arrive_over_udp_and_tcp(make_core):
         await tcp.stop()
 
     asyncio.run(listen())
+
+
+def test_of_two_that_send_one_sentence_over_udp_one_is_heard():
+    """Two headings in turn made a heading of neither sensor, and no alarm."""
+    now, told = [0.0], []
+    senders = Senders(told.append, lambda: now[0])
+    kept = {"a:1": [], "b:2": []}
+    for second in range(20):
+        now[0] = float(second)
+        for sender in ("a:1", "b:2") if second < 10 else ("b:2",):
+            kept[sender].append(b"HETHS" in senders.kept(sentence("HETHS,90.0,A") + sentence("RATTM,07"), sender))
+    # The first that sends again; after it has been silent the other one.
+    assert kept["a:1"] == [True] * 10 and kept["b:2"][1:14] == [False] * 13 and kept["b:2"][14:] == [True] * 6
+    assert "HETHS comes from a:1 and from b:2: that of a:1 is taken. Let one of them send to another port." in told
+    # What a radar sees, other sentences, and what is none are of nobody; a port for each datagram is one sender.
+    assert b"TTM" in senders.kept(sentence("RATTM,07"), "a:1") and senders.kept(b"x", "a:1") == b"x"
+    for port in range(2000):
+        assert senders.kept(sentence("TIROT,0.0,A"), f"c:{port}")
 
 
 def test_a_connection_on_which_nothing_comes_is_made_anew(monkeypatch):

@@ -129,6 +129,17 @@ def test_a_latency_that_nothing_shows_is_said(scene):
     assert [w.kind for w in found.warnings] == ["latency-not-known"], found
 
 
+def test_a_target_on_a_pier_has_no_closest_approach():
+    t, noise = 3.0 * np.arange(40), np.random.default_rng(0).normal(0, 5, (2, 40))
+    pier = make_plots(t, 2000 + noise[0], 2000 + noise[1])
+    found = track(Detections("pier", pier, relative=True))
+    (row,) = [line.split() for line in found.text().splitlines() if line.lstrip().startswith("1 ")]
+    assert row[9:12] == ["none", "not", "known"] and row[-1] == "unsure"
+    assert "no track that is held surely comes nearer to own ship; track 1 is the nearest, at 28" in found.text()
+    near = found.to_dict()["tracks"][0]["closest_approach"]
+    assert near["cpa"]["value"] is None and near["cpa"]["interval_95"][1] > 2000
+
+
 def test_one_plot_is_no_track():
     found = track(make_plots(np.array([1.0]), np.array([10.0]), np.array([20.0])))
     assert not found.tracks and "no-track" in [w.kind for w in found.warnings]

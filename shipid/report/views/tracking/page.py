@@ -76,7 +76,6 @@ def tracking_page(found: Tracking) -> Page:
 
 def _row(one: TargetTrack) -> Row:
     near = one.approach
-    steady = near is not None and not np.isfinite(near.tcpa)
     ends = None if near is None else near.cpa_interval
     return {
         "number": f"track {one.number}",
@@ -88,9 +87,9 @@ def _row(one: TargetTrack) -> Row:
         "spread": fixed(float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0))), 0),
         "speed": f"{fixed(float(one.speed[-1]), 1)} ± {fixed(float(one.speed_std[-1]), 1)}",
         "course": compass(float(one.course[-1]), 0) if one.moves[-1] else "none",
-        "cpa": "not known" if near is None else fixed(near.cpa, 0),
+        "cpa": "not known" if near is None or near.motion == "unsure" else fixed(near.cpa, 0),
         "between": "" if ends is None else f"{fixed(ends[0], 0)} to {fixed(ends[1], 0)}",
-        "tcpa": "" if near is None else "steady" if steady else fixed(near.tcpa, 0),
+        "tcpa": "" if near is None else fixed(near.tcpa, 0) if np.isfinite(near.tcpa) else near.motion,
     }
 
 
