@@ -132,6 +132,7 @@ def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
     # At the helm an order is a line, on a phone too; a condition has a column where there is one.
     orders = pages["plan"][pages["plan"].index(">At [min:s]<") - 200 :]
     assert '<table class="stack' not in orders[:220]
+    assert "The trials agree on K." in read_page(pages["fleet"]).text
     assert pages["ranking"].count("<svg") == 2
     assert "Within its limit: " in read_page(pages["criteria"]).text
     command = "shipid plan nomoto --ship 'my ship' --time <20>"

@@ -73,7 +73,7 @@ def _timetable(plan: Plan) -> list[Section]:
     several = len(table.rooms) > 1
     rooms = [_room(str(k), room) for k, room in enumerate(table.rooms, start=1) if several]
     rooms += [] if table.room is None else [_room("all" if several else "1", table.room)]
-    columns = [("At [min:s]", "time"), ("Manoeuvre", "leg", "n"), ("Order", "action")]
+    columns = [("At [min:s]", "time", "keep"), ("Manoeuvre", "leg", "n"), ("Order", "action")]
     columns += [("When", "when")] if any(o.when for o in table.orders) else []
     view = {
         "weather": table.weather,
