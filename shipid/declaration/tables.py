@@ -238,7 +238,8 @@ def read_table(path: Path, what: str, error: type[ShipidError]) -> Table:
     except RecursionError:
         raise error(f"the {what} {path} is nested deeper than {_DEEPEST} tables.") from None
     except ValueError as failed:  # no TOML, no UTF-8, or a whole number of thousands of digits
-        raise error(f"the {what} {path} is not valid TOML: {failed}.") from None
+        hint = "" if path.suffix == ".toml" else f" A {what} is a TOML file: its name ends in .toml."
+        raise error(f"the {what} {path} is not valid TOML: {failed}.{hint}") from None
     _check_bounds(content, f"the {what} {path}", error)
     return Table(content, str(path), error)
 

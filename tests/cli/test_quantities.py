@@ -27,6 +27,8 @@ BARE = {
     "--correlation": (["plan", "--model", *SHIP, "--time", "20 min"], "4", "4 s"),
     "--omega-n": (TUNE, "0.05", "0.05 rad/s or 0.05 deg/s"),
     "--rudder-limit": (TUNE, "15", "15 deg"),
+    "--wind": (TUNE, "15", "15 m/s or 15 kn"),
+    "--current": (TUNE, "1", "1 m/s or 1 kn"),
     "--rudder": (PREDICT, "10", "10 deg"),
     "--rate": (PREDICT, "20", "20 deg/s"),
     "--length": (["measure", "trial.csv"], "45", "45 m"),

@@ -77,6 +77,9 @@ def test_files_that_are_no_tables(tmp_path: Path) -> None:
     (tmp_path / "plan.toml").write_text("a = ")
     with pytest.raises(ShipidError, match=r"the plan .* is not valid TOML"):
         read_table(tmp_path / "plan.toml", "plan", ShipidError)
+    (tmp_path / "plan.json").write_text("{}")
+    with pytest.raises(ShipidError, match=r"A plan is a TOML file: its name ends in \.toml"):
+        read_table(tmp_path / "plan.json", "plan", ShipidError)
     (tmp_path / "plan.toml").write_bytes(b"a = '\xff'")
     with pytest.raises(ShipidError, match="is not valid TOML"):
         read_table(tmp_path / "plan.toml", "plan", ShipidError)

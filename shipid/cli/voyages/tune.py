@@ -60,14 +60,16 @@ _SCHEDULE = "schedule.toml"
     help="Largest rudder angle the autopilot orders.",
 )
 @click.option(
-    "--wind", metavar="V", help="Wind of the judgement, from eight directions, as in '15 m/s'; by the ship's length."
+    "--wind",
+    type=NumberWithUnit("m/s"),
+    help="Wind of the judgement, from eight directions, as in '15 m/s'; by the ship's length.",
 )
 @click.option(
     "--sea",
     metavar="S",
     help="Waves of the judgement: heading rms of the ship at rest, with frequency or period, '0.3 deg at 9 s'.",
 )
-@click.option("--current", metavar="V", help="Current of the judgement, across the wind, as in '1 m/s'.")
+@click.option("--current", type=NumberWithUnit("m/s"), help="Current of the judgement, across the wind, as in '1 m/s'.")
 @levels_option("--limits", "Limits of the judgement, 'disk margin=0.6,phase margin=40 deg,overshoot=0.05'.")
 @click.option(
     "--samples", default=200, type=click.IntRange(0), show_default=True, help="Ships drawn from the uncertainty."

@@ -11,7 +11,7 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import counted, fixed, uncertain_text
+from shipid.foundation.numbers import counted, fixed, number, uncertain_text
 from shipid.foundation.result import DrawnResult, Result, ResultEntry
 from shipid.trials.conditions import Conditions
 from shipid.trials.measuring.results.measures import Measures, measured
@@ -135,7 +135,7 @@ class TrialSheet(DrawnResult):
         if self.criteria:
             lines.append("  beside the limits of MSC.137(76) 5.3:")
         for row in self.criteria:
-            value = "not known" if row.value is None else f"{row.value:.3g}"
+            value = "not known" if row.value is None else number(row.value, 3)
             if row.value is not None and row.uncertainty is not None:
                 value = uncertain_text(row.value, row.uncertainty)
             words = f"; {row.words}" if row.words else ""
@@ -149,23 +149,23 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
     """The numbers that people ask for first."""
     shown = {n: (v, u) for n, v, u, _ in measures.quantities()}
 
-    def number(name: str) -> str:
+    def told(name: str) -> str:
         value, unit = shown[name]
         return "not known" if value is None else f"{measured(value, unit)} {unit}"
 
     if isinstance(measures, TurningCircle):
         for name in ("advance", "transfer", "tactical_diameter"):
             value = shown[name][0]
-            ratio = f" ({value / length:.3g} L)" if value is not None and length else ""
-            yield f"{name.replace('_', ' ')} {number(name)}{ratio}"
+            ratio = f" ({number(value / length, 3)} L)" if value is not None and length else ""
+            yield f"{name.replace('_', ' ')} {told(name)}{ratio}"
     elif "overshoots" in shown:
         values = [v for v in shown["overshoots"][0] or ()]
         listed = ", ".join("not known" if v is None else fixed(v, 2) for v in values[:4])
-        yield f"overshoots {listed or 'none'} deg; period {number('period')}"
+        yield f"overshoots {listed or 'none'} deg; period {told('period')}"
     elif "loop_width" in shown:
-        yield f"loop width {number('loop_width')}, loop height {number('loop_height')}"
+        yield f"loop width {told('loop_width')}, loop height {told('loop_height')}"
     elif "residual_rate" in shown:
-        yield f"residual rate of turn {number('residual_rate')}"
+        yield f"residual rate of turn {told('residual_rate')}"
 
 
 def rudder_of(measures: Measures) -> float | None:

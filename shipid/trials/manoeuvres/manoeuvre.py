@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.component import Component
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.numbers import counted
 from shipid.parts.helm import CourseHelm, RateHelm, ScheduledOrder, TurningHelm, ZigzagHelm
 
 _DEG = np.pi / 180
@@ -115,7 +116,7 @@ def parse_manoeuvre(text: str) -> Manoeuvre:
     numbers = [float(n) for n in rest.split("/")]
     wanted = {"zigzag": (2, 2), "turn": (1, 2), "course": (1, 2)}.get(kind, (1, 1))
     if not wanted[0] <= len(numbers) <= wanted[1]:
-        raise UsageError(f"the manoeuvre '{text}' has {len(numbers)} numbers. Write it as {example}.")
+        raise UsageError(f"the manoeuvre '{text}' has {counted(len(numbers), 'number')}. Write it as {example}.")
     if numbers[0] == 0 or any(n <= 0 for n in numbers[1:]):
         raise UsageError(f"the manoeuvre '{text}' needs numbers other than zero, the second positive, as in {example}.")
     scale = 1.0 if kind == "reversed-spiral" else _DEG

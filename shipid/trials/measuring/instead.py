@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import counted
 from shipid.trials.checks import STEADY_RUDDER
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.measuring.track import speed_channel
@@ -74,7 +75,7 @@ def _courses(psi: Channel) -> str:
         return f"It is a record of course keeping about {angle(kept[0] % (2 * np.pi), 3)}."
     largest = float(np.abs(np.diff(kept)).max())
     return (
-        f"It is a record of courses kept and changed: {len(kept) - 1} changes of up to {angle(largest, 2)}; the rudder "
+        f"It is a record of courses kept and changed: {counted(len(kept) - 1, 'change')} of up to {angle(largest, 2)}; the rudder "
         "follows the heading there (a closed loop)."
     )
 

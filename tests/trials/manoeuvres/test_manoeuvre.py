@@ -43,7 +43,7 @@ def test_a_misspelt_manoeuvre() -> None:
         ("zigzag:", "does not say its numbers"),
         ("turn:hard", "does not say its numbers. Write it as turn:35"),
         ("turn:1e3", "does not say its numbers"),
-        ("zigzag:20", "has 1 numbers"),
+        ("zigzag:20", "has 1 number. Write"),
         ("zigzag:20/20/20", "has 3 numbers"),
         ("spiral:20/5", "has 2 numbers"),
         ("turn:0", "needs numbers other than zero"),

@@ -278,7 +278,7 @@ def length(number: float) -> ParameterSet:
     ("options", "error", "says"),
     [
         ({"manoeuvre": "zigzig:20/20"}, UnknownNameError, r"no manoeuvre 'zigzig'\. Did you mean zigzag\?"),
-        ({"manoeuvre": "zigzag:20"}, UsageError, "has 1 numbers"),
+        ({"manoeuvre": "zigzag:20"}, UsageError, "has 1 number\\."),
         ({"ship": "sosterberg"}, UnknownNameError, "Did you mean soesterberg"),
         ({"ship": without("soesterberg", "speed")}, ParameterSetError, "has no speed of its own: give one"),
         ({"ship": without("soesterberg", "L")}, ParameterSetError, "has no length L"),

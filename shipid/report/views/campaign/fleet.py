@@ -12,7 +12,7 @@ from shipid.foundation.statistics import plain
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.campaign.fleet_figure import fleet_figure
 from shipid.report.views.campaign.page import provenance_rows
-from shipid.report.views.words import count, sentence
+from shipid.report.views.words import count, listed, sentence
 
 
 def fleet_page(found: FleetResult) -> Page:
@@ -23,8 +23,7 @@ def fleet_page(found: FleetResult) -> Page:
     found : FleetResult
         The fleet.
     """
-    good, names = int(found.identified.sum()), list(found.coefficients)
-    total = len(found.rows["trial"])
+    names, total = list(found.coefficients), len(found.rows["trial"])
     units = {n: pretty(found.coefficients[n].unit) for n in names}
     columns = [
         ("Outcome", "outcome", "keep"),
@@ -33,14 +32,7 @@ def fleet_page(found: FleetResult) -> Page:
     rows = [_row(found, k) for k in range(total)]
     return Page(
         f"{found.model} identified from {count(total, 'trial')}",
-        [
-            (
-                "",
-                [
-                    f"{'Each was' if good == total else f'{good} of {total} were'} identified{f' with ship {found.ship}' if found.ship else ''}."
-                ],
-            )
-        ],
+        [("", list(_answer(found)))],
         [
             Section("Trials", "campaign/trials.html", {"columns": columns, "rows": rows}),
             Section(
@@ -54,6 +46,19 @@ def fleet_page(found: FleetResult) -> Page:
         cautions=[sentence(w) for w in found.warnings if not w.serious],
         footer=f"shipid {shipid.__version__}",
     )
+
+
+def _answer(found: FleetResult) -> Iterator[str]:
+    good, total = int(found.identified.sum()), len(found.rows["trial"])
+    ship = f" with ship {found.ship}" if found.ship else ""
+    yield f"{'Each was' if good == total else f'{good} of {total} were'} identified{ship}."
+    several = {n: s for n, s in found.coefficients.items() if s.probability is not None}
+    for what, names in (
+        ("The trials agree on", [n for n, s in several.items() if not s.differs]),
+        ("No trial determines", [n for n, s in found.coefficients.items() if not s.count]),
+    ):
+        if names:
+            yield f"{what} {listed(names)}."
 
 
 def _row(found: FleetResult, k: int) -> Row:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, to_display
-from shipid.foundation.numbers import number, uncertain
+from shipid.foundation.numbers import fixed, number
 from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
 from shipid.identification.choice.scoring import MEASURES
@@ -57,7 +57,10 @@ def _answer(ranking: Ranking) -> list[str]:
 
 
 def _score(rank: Rank) -> str:
-    return "" if rank.score is None else uncertain(rank.score, rank.std) if rank.std else number(rank.score, 3)
+    # As many decimals as the terminal shows.
+    if rank.score is None:
+        return ""
+    return fixed(rank.score, 3) + (f" ± {fixed(rank.std, 3)}" if rank.std else "")
 
 
 def _scores(ranking: Ranking) -> Section:
@@ -69,9 +72,9 @@ def _scores(ranking: Ranking) -> Section:
             {
                 "model": r.model,
                 "verdict": take or ("worse" if r.score is not None else "not fitted"),
-                "error": "" if r.error is None else number(r.error, 3),
+                "error": "" if r.error is None else fixed(r.error, 3),
                 "score": _score(r),
-                "spread": number(r.spread, 2) if r.score is not None else "",
+                "spread": fixed(r.spread, 3) if r.score is not None else "",
                 "weight": f"{100 * weights[r.model]:.0f} %",
                 "coefficients": str(r.coefficients),
                 "free": str(r.free),

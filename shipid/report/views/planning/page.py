@@ -13,7 +13,10 @@ from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import named, shown_field
 from shipid.report.views.equations import equations_section
-from shipid.report.views.words import count, sentence, versions_now, with_unit
+from shipid.report.views.words import count, listed, sentence, versions_now, with_unit
+
+#: Standard deviations that differ by less are the same.
+_ALIKE = 0.05
 
 
 def plan_page(plan: Plan) -> Page:
@@ -37,14 +40,21 @@ def _answer(plan: Plan) -> list[str]:
     said = [
         f"{sentence(count(len(plan.legs), 'manoeuvre'))} in {clock(plan.duration)}; {clock(plan.time)} are available (minutes and seconds)."
     ]
-    if plan.det_gain is not None:
-        said.append(
-            f"For each coefficient the determinant of the information is {number(plan.det_gain, 2)} times that of the standard zig-zags."
-        )
+    gains = [f"of {n} {_times(f.ratio)}" for n, f in plan.parameters.items() if f.ratio]
+    if gains:
+        said.append(f"Beside the standard zig-zags the standard deviation {listed(gains)}.")
     lost = [n for n, f in plan.parameters.items() if f.std is None]
     if lost:
         said.append(f"Not determined by these trials: {', '.join(lost)}.")
     return said
+
+
+def _times(gain: float) -> str:
+    """How a standard deviation compares, in words."""
+    if abs(gain - 1) < _ALIKE:
+        return "is as large"
+    size, than = (gain, "smaller") if gain > 1 else (1 / gain, "larger")
+    return f"is {number(size, 2)} times {than}"
 
 
 def _legs(plan: Plan) -> Section:
@@ -63,7 +73,15 @@ def _timetable(plan: Plan) -> list[Section]:
     several = len(table.rooms) > 1
     rooms = [_room(str(k), room) for k, room in enumerate(table.rooms, start=1) if several]
     rooms += [] if table.room is None else [_room("all" if several else "1", table.room)]
-    view = {"weather": table.weather, "orders": orders, "rooms": rooms, "figure": _orders_figure(table, plan.duration)}
+    columns = [("At [min:s]", "time", "keep"), ("Manoeuvre", "leg", "n"), ("Order", "action")]
+    columns += [("When", "when")] if any(o.when for o in table.orders) else []
+    view = {
+        "weather": table.weather,
+        "columns": columns,
+        "orders": orders,
+        "rooms": rooms,
+        "figure": _orders_figure(table, plan.duration),
+    }
     return [Section("Orders to the helm", "plan/timetable.html", view, short="Timetable")]
 
 

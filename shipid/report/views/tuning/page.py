@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -202,7 +203,7 @@ def _method(pilot: Autopilot) -> Section:
         "Rudder limit of the autopilot": f"{fixed(pilot.rudder_limit * rudder.factor, 1)} {rudder.unit}",
         "Largest rudder angle": f"{fixed(pilot.limits['delta_max'] * rudder.factor, 1)} {rudder.unit}",
         "Largest rudder rate": f"{fixed(pilot.limits['delta_rate'] * rudder.factor, 2)} {rudder.unit}/s",
-        "Steering machine": pilot.actuator.__name__,
+        "Actuator": re.sub(r"(?<=[a-z])(?=[A-Z])", " ", pilot.actuator.__name__).lower(),
     }
     view = {
         "ship": pilot.ship.name + (f" ({pilot.ship.title})" if pilot.ship.title else ""),
