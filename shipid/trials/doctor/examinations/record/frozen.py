@@ -46,7 +46,7 @@ def _drawn(p: WorkingCopy) -> None:
         for a, b in robust.straight_runs(p.t[index], values)
         if values[a] != values[b] and b - a >= 0.015 * len(index)
     ]
-    if not lines or p.found("frozen"):
+    if not lines:
         return
     a, b = max(lines, key=lambda line: line[1] - line[0])
     p.add(
