@@ -41,11 +41,14 @@ def _drawn(p: WorkingCopy) -> None:
     """Find a heading that scatters and lies on a straight line meanwhile: what was drawn across a gap shows no peak."""
     index = p.own("psi") if p.has("psi") else np.empty(0, int)
     values = p["psi"][index] if index.size else np.empty(0)
-    lines = robust.straight_runs(p.t[index], values)
-    lines = [(a, b) for a, b in lines if values[a] != values[b] and b - a >= 0.015 * len(index)]
-    if not lines or p.found("frozen"):
+    lines = [
+        (int(a), int(b))
+        for a, b in robust.straight_runs(p.t[index], values)
+        if values[a] != values[b] and b - a >= 0.015 * len(index)
+    ]
+    if not lines:
         return
-    a, b = max(lines, key=lambda line: int(line[1] - line[0]))
+    a, b = max(lines, key=lambda line: line[1] - line[0])
     p.add(
         "frozen", "psi", 0.95,
         f"psi lies on one straight line for {b - a + 1} samples ({p.t[index[b]] - p.t[index[a]]:.4g} s) and scatters elsewhere: the line was "
