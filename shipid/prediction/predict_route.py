@@ -102,7 +102,7 @@ def predict_route(
     unstated = sum(w.radius is None for w in route.waypoints[1:-1])
     if unstated and radius is None:
         told.append(
-            Notice(f"{unstated} waypoints state no turn radius: {RADIUS:g} ship lengths, {size:.0f} m, are taken.", "turn-radius", radius=size)
+            Notice(f"{unstated} waypoint{' states' if unstated == 1 else 's state'} no turn radius: {RADIUS:g} ship lengths, {size:.0f} m, are taken.", "turn-radius", radius=size)
         )  # fmt: skip
     plan = plan_of(route, origin=origin, radius=size)
     known = situation if isinstance(situation, Situation) else _begun(situation, plan)

@@ -80,7 +80,7 @@ def test_what_the_route_leaves_open_is_told(call, tmp_path):
     assert (
         "they are degrees" in said
         and "columns that no route has were not read: note" in said
-        and "state no turn radius" in said
+        and "1 waypoint states no turn radius" in said
     )
 
 

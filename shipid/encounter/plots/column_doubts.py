@@ -14,6 +14,8 @@ from shipid.foundation.notices import Notice
 DAY = 86400.0
 #: How far a time of day jumps back at least where midnight has passed, s; turns that no bearing counts.
 _MOST_OF_DAY, _TURNS = 43200.0, 2.5
+#: So many bearings that differ by more than this, rad, show what they go round.
+_SOME, _SPREAD = 20, 0.002
 #: A wrong clock: plots so far from all others in time, within so short a time, s, and this share of all plots at most.
 _FAR, _BRIEF, _FEW = 3600.0, 5.0, 0.05
 #: Beyond a pole or a whole turn by no more than this is rounding, rad.
@@ -41,6 +43,15 @@ def doubts(t: np.ndarray, columns: Mapping[str, np.ndarray]) -> list[Notice]:
                 f"bearings reach {most:.0f} turns: their column says rad, and may hold degrees.",
                 "bearing-unit",
                 serious=True,
+            )
+        )
+    known = bearings[np.isfinite(bearings)]
+    # 2 pi degrees: a target that moves, or several, hardly stay so near to north, and never to the west of it.
+    if known.size >= _SOME and known.min() >= 0 and known.max() < np.deg2rad(2 * np.pi) and np.ptp(known) > _SPREAD:
+        found.append(
+            Notice(
+                f"all bearings lie from 0 to {np.rad2deg(known.max()):.1f} deg: their column says deg, and may hold rad.",
+                "bearing-unit",
             )
         )
     return found

@@ -198,7 +198,7 @@ def _radius(pilot: Autopilot, route: Route, radius: str | float | None, told: li
     if unstated and radius is None:
         told.append(
             Notice(
-                f"{unstated} waypoints state no turn radius: {RADIUS:g} ship lengths, {size:.0f} m, are taken.",
+                f"{unstated} waypoint{' states' if unstated == 1 else 's state'} no turn radius: {RADIUS:g} ship lengths, {size:.0f} m, are taken.",
                 "turn-radius",
                 radius=size,
             )

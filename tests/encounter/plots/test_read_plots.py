@@ -331,6 +331,17 @@ def test_a_table_over_midnight_goes_on(tmp_path):
     assert found.plots.span == (0.0, 19.0) and any("midnight" in n for n in found.plots.notes)
 
 
+def test_radians_that_say_deg_are_told(tmp_path):
+    def doubted(begin, step):
+        rows = "".join(f"{3 * k},{900 + k},{(begin + step * k) % 360:.4f}\n" for k in range(30))
+        (tmp_path / "bearing.csv").write_text("t [s],range [m],bearing [deg]\n" + rows)
+        return [n for n in read_detections(tmp_path / "bearing.csv").plots.notes if n.kind == "bearing-unit"]
+
+    (said,) = doubted(2.0, 0.1)
+    assert "from 0 to 4.9 deg" in said and "may hold rad" in said
+    assert doubted(2.0, 0.2) == [] and doubted(-1.0, 0.1) == []
+
+
 def test_degrees_that_say_rad_are_told(tmp_path):
     (tmp_path / "bearing.csv").write_text(
         "t [s],range [m],bearing [rad]\n" + "".join(f"{k},900,{150 + k}\n" for k in range(9))
