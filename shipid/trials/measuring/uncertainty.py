@@ -13,6 +13,9 @@ _PEAKS = (10 / 3, 5.0)
 _SMOOTH = 0.003
 """Share of the overshoot by which a polynomial of degree four misses the heading about a peak, at the most, however fast the gear."""
 
+_WHOLE = 0.02
+"""Distances of values that are whole numbers of steps are so within this share of one."""
+
 _AMISS = 10.0
 """A heading that stands still near its peak hides up to so many times what the polynomial misses; scanned are stops of 6 to 12 s."""
 
@@ -53,10 +56,10 @@ def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: 
             parts.append(0.1 * _curvature(psi, when) * ((hole[1] - hole[0]) / psi.interval) ** 2 / 4)
     if top is not None:
         parts.append(_amiss(logged, top, half, max(scatter, 0.3 * (logged.digit or logged.grain or 0.0)), execute.time))
-    step = logged.digit or logged.grain
-    if step is not None:
+    for when in (execute.time, top):
         # Two headings, each off by up to half a digit: 95 % of their difference lies within 0.78 of one.
-        parts.append(0.78 * step)
+        local = 0.0 if when is None else _step_at(logged, when, half)
+        parts.append(0.78 / np.sqrt(2) * max(logged.digit or logged.grain or 0.0, local))
     return float(np.sqrt(np.sum(np.square(parts))))
 
 
@@ -82,6 +85,18 @@ def _amiss(psi: Channel, top: float, half: float, scatter: float, execute: float
         )
         most = max(most, missed)
     return _AMISS * float(np.sqrt(most))
+
+
+def _step_at(psi: Channel, when: float, half: float) -> float:
+    """The step of the digits about an instant, where the values are whole numbers of it; a log of three digits has several."""
+    for width in (half, 2 * half, 4 * half, 8 * half):
+        values = psi.y[np.abs(psi.t - when) <= width]
+        apart = np.diff(np.unique(values))
+        if apart.size > 2:
+            count = apart / apart.min()
+            repeats = apart.size < 0.75 * values.size
+            return float(apart.min()) if repeats and np.all(np.abs(count - np.round(count)) < _WHOLE) else 0.0
+    return 0.0
 
 
 def _curvature(psi: Channel, when: float) -> float:
