@@ -301,3 +301,13 @@ def test_an_order_logged_late_is_not_measured_by(logged, late):
     assert ("rudder-sign", "delta_order") in kinds
     frame["delta_order [deg]"] = 0.0
     assert "order-stands" in {f.kind for f in check_trial(Trial.from_frame(frame)).findings}
+
+
+def test_three_digits_are_tenths_of_a_degree_about_a_peak(logged):
+    """The step of the digits changes with the value, and that of the whole record is the finest of them."""
+    trial, _, overshoots = logged(0.02, order=True, course=0.0)
+    frame = trial.to_frame()
+    frame["psi [deg]"] = [float(f"{psi:.3g}") for psi in frame["psi [deg]"]]
+    found = np.degrees(measure(Trial.from_frame(frame)).overshoot_uncertainties)
+    assert np.all(found > 0.055) and np.all(np.degrees(measure(trial).overshoot_uncertainties) < 0.03)
+    assert np.all(np.abs(np.degrees(measure(Trial.from_frame(frame)).overshoots) - overshoots[: found.size]) < found)
