@@ -56,7 +56,7 @@ class AlarmWatch:
         self._look_at_sensors(t)
         alarms, own = self._alarms, self._own_ship
         health = own.health
-        alarms.set("diverged", health == "diverged", t, "alarm", f"the filter has diverged: {own.message}")
+        alarms.set("diverged", health == "diverged", t, "alarm", f"the filter has diverged: {own.diverged_by}")
         alarms.set("doubtful", health == "doubtful", t, "warning", "the filter rejects many samples")
         jumped = own.jumped
         if jumped is not None:
@@ -92,6 +92,7 @@ class AlarmWatch:
             # The turn that was warned of is sailed.
             self._warned = route.leg
             alarms.drop("wheel-over")
+        alarms.set("unsteered", bool(route.unsteered), t, "alarm", f"the track pilot orders nothing: {route.unsteered}")
         to = compass(0.0 if turn is None else turn.heading)
         alarms.set("wheel-over", due, t, "warning", f"wheel-over to {to}° within a minute")
         alarms.set("route ended", route.finished, t, "caution", "the end of the route is passed")

@@ -195,6 +195,8 @@ class BridgeCore:
         if self.watch is not None and (asked.executed or asked.leg or self.watch.next_leg is None):
             track = None if answer.executed is None else answer.executed.track
             self.watch.take(answer.wheel_over, track, asked.t)
+        if self.watch is not None:
+            self.watch.unsteered = answer.unsteered
         executed = self.console.executed
         if answer.order is not None and self.steered is not None and executed is not None and executed.mode == "track":
             order = answer.order

@@ -118,6 +118,8 @@ class PredictionAnswer:
         Where the turn onto the next leg begins.
     order : TrackOrder or None
         What the track pilot orders.
+    unsteered : str
+        Why it orders nothing, where it cannot.
     still : PredictedTrack or None
         The turn that begins, in still water.
     """
@@ -127,6 +129,7 @@ class PredictionAnswer:
     executed: ShownTrack | None = None
     wheel_over: WheelOver | None = None
     order: TrackOrder | None = None
+    unsteered: str = ""
     still: PredictedTrack | None = None
 
 
@@ -180,12 +183,12 @@ class Forecaster:
         if question.past is not None and self._band:
             with suppress(ShipidError):
                 self._errors = past_errors(self.predictor.pilot, question.past)
-        order = None
+        order, unsteered = None, ""
         if question.steer and self._pilot is not None:
             try:
                 order = self._pilot.steer(question.situation, self.interval)
-            except ShipidError:
-                order = None
+            except ShipidError as error:
+                unsteered = str(error)
         turn = None
         if question.leg is not None:
             try:
@@ -200,7 +203,7 @@ class Forecaster:
         still = None
         if question.begins is not None:
             still = still_water_track(self.predictor, question.situation, question.begins)
-        return PredictionAnswer(question, trial, executed, turn, order, still)
+        return PredictionAnswer(question, trial, executed, turn, order, unsteered, still)
 
     def warm(self, situation: Situation) -> None:
         """Predict once under every kind of order, so that what has to be compiled is.

@@ -83,6 +83,8 @@ class RouteWatch:
         The turn onto the next leg.
     overshoot : float or None
         How far the predicted track swings beyond the next leg in m.
+    unsteered : str
+        Why the track pilot orders nothing, where it steers and cannot.
     """
 
     def __init__(self, route: BridgeRoute) -> None:
@@ -92,6 +94,7 @@ class RouteWatch:
         self.finished = False
         self.turn: WheelOver | None = None
         self.overshoot: float | None = None
+        self.unsteered = ""
         self._asked = 0.0
 
     @property

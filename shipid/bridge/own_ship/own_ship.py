@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.bridge.own_ship.gate_watch import REFUSED, GateWatch
 from shipid.bridge.own_ship.remembered import Remembered
 from shipid.bridge.own_ship.sensors import Sensors
 from shipid.bridge.shown.plain_values import number
@@ -35,8 +36,8 @@ from shipid.prediction.situations.situation import Situation
 Health: TypeAlias = Literal["starting", "well", "doubtful", "diverged", "lost"]
 #: The coefficients that adapt, where the model has them.
 _ADAPTS = ("K", "tau")
-#: The share of rejected samples is that of so many seconds; above this the filter is doubtful, and for so long it starts.
-_RECENT, _DOUBTFUL, _STARTING = 60.0, 0.2, 20.0
+#: For so many seconds the filter starts.
+_STARTING = 20.0
 #: After it has diverged the filter says so for this long, in s.
 _AFTERMATH = 60.0
 #: The cruising speed follows the speed with this time constant in L/U while the ship goes straight, with r L/u below this.
@@ -67,6 +68,8 @@ class OwnShip:
         What is heard of her.
     message : str
         What there is to say of the filter.
+    diverged_by : str
+        Why it began anew the last time.
     remembered : Remembered
         The voyage so far.
     """
@@ -82,7 +85,7 @@ class OwnShip:
         self._adapts = bool(adapts)
         self._pilot = pilot
         self.sensors, self.remembered = Sensors(), Remembered(pilot.length)
-        self.message = ""
+        self.message = self.diverged_by = ""
         self._online: OnlineFilter | None = None
         self._first: dict[str, float] = {}
         self._estimate: OnlineEstimate | None = None
@@ -91,7 +94,7 @@ class OwnShip:
         self._jump, self._placed = (-math.inf, 0.0), False
         self._t = 0.0
         self._logged = False
-        self._rejected = 0.0
+        self._gate = GateWatch()
         self._cruise: float | None = None
 
     @property
@@ -176,6 +179,10 @@ class OwnShip:
         except FilterDivergedError as error:
             self._restart(t, str(error))
             return
+        if self._gate.refuses_the_heading(t, estimate):
+            why = f"for {REFUSED:.0f} s the heading that is heard was not what follows from the one before; it is believed from here on"
+            self._restart(t, why)
+            return
         if not estimate.refused:
             before, self._estimate = self._situation, estimate
             self._situation = self._known()
@@ -231,7 +238,8 @@ class OwnShip:
         self._online, self._situation, self._estimate = None, None, None
         self._first, self._fixes, self._placed = {}, None, False
         self.remembered.forget()
-        self._diverged, self.message = t, why
+        self._gate.begin_anew()
+        self._diverged, self.message, self.diverged_by = t, why, why
 
     def _known(self) -> Situation | None:
         assert self._online is not None
@@ -245,9 +253,7 @@ class OwnShip:
         """Follow the cruising speed, and the share of samples that are beyond the gate."""
         if self._estimate is None:
             return
-        taken, rejected = len(self._estimate.taken), len(self._estimate.rejected)
-        if taken + rejected:
-            self._rejected += min(step / _RECENT, 1.0) * (rejected / (taken + rejected) - self._rejected)
+        self._gate.look(self._t, self._estimate)
         known = self._situation
         if known is None or self._cruise is None:
             return
@@ -259,7 +265,7 @@ class OwnShip:
     @property
     def rejected(self) -> float:
         """Share of the recent samples that is beyond the gate."""
-        return self._rejected
+        return self._gate.rejected
 
     @property
     def health(self) -> Health:
@@ -272,7 +278,7 @@ class OwnShip:
             return "lost"
         if self._t - self._began < _STARTING:
             return "starting"
-        return "doubtful" if self._rejected > _DOUBTFUL or self._situation is None else "well"
+        return "doubtful" if self._gate.many or self._situation is None else "well"
 
     def value(self, name: str) -> float | None:
         """Return an estimate, SI; None where there is none.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,9 +14,11 @@ from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.core.route_watch import bridge_route
 from shipid.bridge.core.source import SourceReading, Target
 from shipid.bridge.open_bridge import pilot_of
+from shipid.bridge.own_ship.gate_watch import GateWatch
 from shipid.bridge.sources.simulated import SimulatedSource
 from shipid.foundation.errors import UsageError
 from shipid.parameters.replaced import with_values
+from shipid.prediction.following.track_pilot import TrackPilot
 from shipid.prediction.routes.route import route_through
 
 from ..conftest import sail, shown
@@ -311,6 +314,33 @@ def test_a_filter_that_diverges_is_an_alarm_and_begins_again(scripted, monkeypat
     assert core.own_ship.health == "well" and shown(core)["own"]["x"] == pytest.approx(9 * core.t, abs=20)
 
 
+def test_a_heading_that_is_refused_for_long_is_believed_and_told(scripted):
+    """Of two gyros the other is heard now and then at first: the filter then kept its heading for ever, and without a word."""
+    source, core = scripted
+    for k in range(10):
+        source.heading = math.radians(30 if k % 2 == 0 else 0)
+        core.step(core.t + 0.4)
+    source.heading = 0.0
+    sail(core, 20)
+    assert math.degrees(shown(core)["own"]["psi"]) == pytest.approx(30, abs=5)
+    sail(core, 20)
+    told = shown(core)
+    assert math.sin(told["own"]["psi"]) == pytest.approx(0, abs=0.03)
+    assert any(
+        "the heading that is heard was not what follows" in a["text"] and a["kind"] == "alarm" for a in told["alarms"]
+    )
+
+
+def test_a_single_sensor_that_is_rejected_makes_the_filter_doubtful():
+    """A heading that comes seldom is a small share of all samples."""
+    watch = GateWatch()
+    for k in range(300):
+        heard = SimpleNamespace(taken=("r", "u", "x", "y"), rejected=("psi",) if k % 5 == 0 else ())
+        watch.look(0.4 * k, heard)
+        assert watch.rejected < 0.1
+    assert watch.many
+
+
 def test_a_heading_that_passes_north_is_no_jump(scripted):
     source, core = scripted
     source.heading = 0.002
@@ -406,6 +436,20 @@ def test_the_track_pilot_sails_the_route_and_its_end_is_told(routed):
     assert "the end of the route is passed" not in texts(routed)
     sail(routed, 200)
     assert "the end of the route is passed" in texts(routed)
+
+
+def test_a_track_pilot_that_cannot_steer_says_why(routed, monkeypatch):
+    def refuse(*_):
+        raise UsageError("the current is too strong to keep the leg.")
+
+    routed.command({"command": "trial", "mode": "track"})
+    routed.command({"command": "execute"})
+    sail(routed, 10)
+    assert not any("track pilot" in text for text in texts(routed))
+    with monkeypatch.context() as patched:
+        patched.setattr(TrackPilot, "steer", refuse)
+        sail(routed, 4)
+        assert "the track pilot orders nothing: the current is too strong to keep the leg." in texts(routed)
 
 
 def test_a_model_that_runs_away_is_a_message(make_core, monkeypatch):
