@@ -167,7 +167,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     signs = side * (-1.0) ** np.arange(len(at))
     # The nominal heading is the one at the order: in slow steering gear the ship turns on while the rudder moves.
     ordered = at
-    late = setting_out(trial, steering, when)
+    late = setting_out(trial, steering, when, faults)
     slope = np.gradient(psi.y, psi.t)
     turning = float(np.median(np.abs(np.interp(when, psi.t, slope))))
     if steering.reading == "moved":
@@ -231,7 +231,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
             float(v) if f"execute_headings[{k}]" not in reasons else None for k, v in enumerate(at - course, start=1)
         ),
         overshoots=overshoots,
-        overshoot_uncertainties=stated if late is None or not late.doubtful else widened(stated, overshoots, beside or ()),
+        overshoot_uncertainties=stated if late is None or not late.doubtful else widened(stated, overshoots, beside or (), late.about),
         overshoots_set_out=beside,
         overshoots_moved=beyond_moved,
         extreme_headings=tuple(

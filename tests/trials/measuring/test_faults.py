@@ -325,3 +325,20 @@ def test_a_straight_line_across_a_gap_shows_no_peak(logged):
     assert found.overshoots[0] is None and "frozen 37 to 70 s" in found.reasons["overshoots[1]"]
     assert any("one straight line" in str(note) for note in found.notes)
     assert not measure(trial).notes
+
+
+@pytest.mark.parametrize("late", [-2.0, 3.0])
+def test_a_rudder_on_another_clock_gives_both_overshoots(logged, late):
+    """The rudder alone is logged, too early or too late: 16.1 +- 0.7 and 9.4 +- 0.7 deg were stated for 13.46."""
+    trial, _, overshoots = logged(0.5, noise=0.05)
+    frame = trial.to_frame()
+    frame["delta [deg]"] = np.interp(trial["t"] - late, trial["t"], np.degrees(trial["delta"]))
+    found = measure(Trial.from_frame(frame))
+    counted, beside, within = (
+        np.degrees(v) for v in (found.overshoots, found.overshoots_set_out, found.overshoot_uncertainties)
+    )
+    np.testing.assert_allclose(beside, overshoots[: len(beside)], atol=0.15 * abs(late) * 1.4)  # deg/s at the executes
+    assert np.all(np.abs(counted - overshoots[: len(counted)]) < within) and np.all(within > 2)
+    (notice,) = [n for n in found.notes if n.serious]
+    assert notice.kind == "latency" and "counted from there the overshoots are 13." in str(notice)
+    assert found.nominal == "20/20"

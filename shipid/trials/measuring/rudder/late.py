@@ -9,7 +9,8 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.notices import Notice
-from shipid.trials.doctor.early_rudder import order_answered
+from shipid.trials.doctor.early_rudder import early_rudder, order_answered
+from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.rudder.executes import first_execute, leaves
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.order import GEAR, lag_behind_order
@@ -17,6 +18,9 @@ from shipid.trials.trial import Trial
 
 _SEEN = 0.3
 """A rudder that sets out this much later than the order is seen to do so [s]."""
+
+_ABOUT = 0.15
+"""Share of a delay within which the doctor finds it."""
 
 _UNSEEN = np.radians(0.3)
 """Heading that is turned in a time that does not show, from which on it is said."""
@@ -34,15 +38,36 @@ class SettingOut:
         Whether no steering gear starts so late: then the stamps are early, or the gear has a dead time, and which is not known.
     words : str
         What to say of it.
+    kind, channel : str
+        Of the finding that it is.
+    about : float
+        By which share of the time between them it may be wrong.
     """
 
     times: tuple[float, ...]
     doubtful: bool
     words: str
+    kind: str = "order-early"
+    channel: str = "delta_order"
+    about: float = 0.0
+
+    def notice(self, beside: str) -> Notice:
+        """Return what to say of it.
+
+        Parameters
+        ----------
+        beside : str
+            What is measured from there.
+        """
+        sign = f"{self.kind} ({self.channel}): " if self.doubtful else ""
+        return Notice(f"{sign}{self.words}; {beside}", self.kind, serious=self.doubtful, channel=self.channel)
 
 
-def setting_out(trial: Trial, steering: Steering, orders: Sequence[float]) -> SettingOut | None:
+def setting_out(trial: Trial, steering: Steering, orders: Sequence[float], faults: Faults) -> SettingOut | None:
     """Return when the rudder sets out after the orders; None where it does so at once, or where that is not known.
+
+    Where the orders are read from the rudder, and the doctor finds that the ship answers it too late or too early, the clocks are
+    apart by so much.
 
     Parameters
     ----------
@@ -52,11 +77,13 @@ def setting_out(trial: Trial, steering: Steering, orders: Sequence[float]) -> Se
         The record of the rudder.
     orders : sequence of float
         When the orders were given [s].
+    faults : Faults
+        What the doctor found.
     """
     if steering.reading != "order" or not len(orders):
         return None
     if steering.feedback is None:
-        return None if steering.rate is not None else _by_answer(trial, steering, orders)
+        return _by_answer(trial, steering, orders) if steering.rate is None else _by_clock(trial, orders, faults)
     lag = lag_behind_order(trial["t"], trial["delta_order"], trial["delta"])
     slack = 0.5 * steering.channel.interval
     if lag is None or lag - slack < _SEEN:
@@ -78,6 +105,18 @@ def _by_answer(trial: Trial, steering: Steering, orders: Sequence[float]) -> Set
         f"the rudder angle is not logged, and by the ship's answer it sets out {answer.delay:.3g} s after the order "
         f"({answer.earliest:.2g} to {answer.latest:.2g} s): {_either(doubtful)}",
     )  # fmt: skip
+
+
+def _by_clock(trial: Trial, orders: Sequence[float], faults: Faults) -> SettingOut | None:
+    """When a rudder acts whose clock is not that of the heading: in both readings the overshoot is counted from there."""
+    found = next((f for f in faults.diagnosis.serious if f.kind == "latency" and f.channel == "delta"), None)
+    if found is None:
+        return None
+    early = early_rudder(trial) if found.fix is None else None
+    apart = float(found.fix["seconds"]) if found.fix is not None else None if early is None else early.seconds
+    if apart is None:
+        return None
+    return SettingOut(tuple(when + apart for when in orders), True, found.message, found.kind, found.channel, _ABOUT)
 
 
 def _either(doubtful: bool) -> str:
@@ -143,9 +182,7 @@ def turn_notes(
     """
     if late is not None:
         said = ", ".join(f"{n.replace('_', ' ')} {shown(v, 'x', digits=3)}" for n, v in beside.items() if v is not None)
-        sign = "order-early (delta_order): " if late.doubtful else ""
-        words = f"{sign}{late.words}; counted from there: {said}"
-        return [Notice(words, "order-early", serious=late.doubtful, channel="delta_order")]
+        return [late.notice(f"counted from there: {said}")]
     if not steering.logged or steering.feedback is not None:
         return []
     return [
@@ -174,7 +211,10 @@ def unseen_by(trial: Trial, steering: Steering) -> float | None:
 
 
 def widened(
-    uncertainties: Sequence[float | None], overshoots: Sequence[float | None], beside: Sequence[float | None]
+    uncertainties: Sequence[float | None],
+    overshoots: Sequence[float | None],
+    beside: Sequence[float | None],
+    about: float,
 ) -> tuple[float | None, ...]:
     """Return uncertainties that hold both readings of the execute, where it is not known which is right [rad].
 
@@ -182,9 +222,11 @@ def widened(
     ----------
     uncertainties, overshoots, beside : sequence of float or None
         Of the overshoots, the overshoots from the order, and those from where the rudder sets out [rad].
+    about : float
+        By which share of their distance the last ones may be wrong.
     """
     return tuple(
-        u if u is None or one is None or other is None else u + abs(one - other)
+        u if u is None or one is None or other is None else u + (1 + about) * abs(one - other)
         for u, one, other in zip(uncertainties, overshoots, beside)
     )
 
@@ -207,9 +249,7 @@ def late_notes(
     """
     if late is not None:
         said = ", ".join("not known" if beyond is None else f"{np.degrees(beyond):.1f}" for beyond in beside or ())
-        sign = "order-early (delta_order): " if late.doubtful else ""
-        words = f"{sign}{late.words}; counted from there the overshoots are {said} deg"
-        return [Notice(words, "order-early", serious=late.doubtful, channel="delta_order")]
+        return [late.notice(f"counted from there the overshoots are {said} deg")]
     if unseen is None or min(unseen, GEAR) * turning < _UNSEEN:
         return []
     seconds = "stamps that are early" if np.isinf(unseen) else f"stamps that are up to {unseen:.2g} s early"
