@@ -18,23 +18,36 @@ _MOST_OF_DAY, _TURNS = 43200.0, 2.5
 _SOME, _SPREAD = 20, 0.002
 #: A wrong clock: plots so far from all others in time, within so short a time, s, and this share of all plots at most.
 _FAR, _BRIEF, _FEW = 3600.0, 5.0, 0.05
+#: Columns that say which sensor saw a plot; more values than these are something else.
+_SENSORS, _MOST_SENSORS = ("sensor", "sensor_id", "sensorid", "sensor id"), 20
 #: Beyond a pole or a whole turn by no more than this is rounding, rad.
 _ROUNDING = 1e-6
 
 
-def doubts(t: np.ndarray, columns: Mapping[str, np.ndarray]) -> list[Notice]:
+def doubts(log: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray], sensors: int = 0) -> list[Notice]:
     """Return what was put right, and what the columns can hardly mean.
 
     Parameters
     ----------
-    t : ndarray, shape (N,)
-        Times as the log has them, s.
+    log : mapping of str to ndarray, shape (N,)
+        All columns as the log has them; ``t`` in s.
     columns : mapping of str to ndarray
-        The other columns, SI.
+        Those of the plots, SI.
+    sensors : int
+        How many a format file tells apart.
     """
     found = []
-    if midnights(t).any():
+    if midnights(log["t"]).any():
         found.append(Notice("the clock passes midnight.", "clock-midnight"))
+    named = next((v for n, v in log.items() if n.lower() in _SENSORS), np.zeros(0))
+    several = np.unique(named[np.isfinite(named)]).size
+    if sensors < 2 and 1 < several <= _MOST_SENSORS:
+        found.append(
+            Notice(
+                f"the log names {several} sensors, and all plots are taken as those of one: [sensors] in a format file (--format) tells them apart.",
+                "several-sensors",
+            )
+        )
     bearings = columns.get("bearing", np.zeros(0))
     most = float(np.abs(bearings[np.isfinite(bearings)]).max(initial=0.0)) / (2 * np.pi)
     if most > _TURNS:

@@ -206,9 +206,8 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
         # 2.0 and 2 are one key; a plot of a sensor that the format does not name is left out, as one without a time.
         sensor = np.array([fmt.values.get(v, -1) for v in columns["sensor"]], int)
         t = np.where(sensor >= 0, t, np.nan)
-    return RawPlots(
-        t, found, sensor, notes=(*(record.notes if fmt is None else ()), *doubts(record.values["t"], found))
-    )
+    said = doubts(record.values, found, len(fmt.sensors) if fmt else 0)
+    return RawPlots(t, found, sensor, notes=(*(record.notes if fmt is None else ()), *said))
 
 
 def _columns(record: LenientRecord) -> tuple[np.ndarray, dict[str, np.ndarray]]:

@@ -331,6 +331,17 @@ def test_a_table_over_midnight_goes_on(tmp_path):
     assert found.plots.span == (0.0, 19.0) and any("midnight" in n for n in found.plots.notes)
 
 
+def test_a_column_of_sensors_that_nothing_tells_apart_is_told(tmp_path):
+    def said(*sensors):
+        rows = "".join(f"{k},{900 + k},{k},{sensors[k % len(sensors)]}\n" for k in range(9))
+        (tmp_path / "plots.csv").write_text("t [s],x [m],y [m],sensor\n" + rows)
+        return [n for n in read_detections(tmp_path / "plots.csv").plots.notes if n.kind == "several-sensors"]
+
+    (told,) = said(1, 2)
+    assert "2 sensors" in told and "--format" in told
+    assert said(1) == []
+
+
 def test_radians_that_say_deg_are_told(tmp_path):
     def doubted(begin, step):
         rows = "".join(f"{3 * k},{900 + k},{(begin + step * k) % 360:.4f}\n" for k in range(30))
