@@ -35,7 +35,7 @@ def test_a_page_tells_the_command_that_made_it(arguments, tmp_path, capsys):
 def test_trials_that_cannot_be_read_stand_on_the_page(tmp_path, capsys):
     assert run(["check", ZIGZAGS[0], str(tmp_path / "torn.csv"), "--out", str(tmp_path / "out")]) == 3
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "not-read" in page and "not usable as it is" in page
+    assert "not read" in page and "One file could not be read" in page
 
 
 def test_a_pdf_needs_a_folder(capsys):
