@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
 
 import numpy as np
@@ -43,16 +44,17 @@ def course_is_kept(trial: Trial) -> bool:
     return any(f.kind == "course-keeping" for f in _steering(trial))
 
 
-def _steering(trial: Trial) -> list[Finding]:
+@functools.lru_cache(maxsize=128)
+def _steering(trial: Trial) -> tuple[Finding, ...]:
     """What the doctor is sure of in how a trial is steered."""
     copy = WorkingCopy(from_trial(trial).record)
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a fit through too few samples says so in its result
         for examination in (examine_wrap, examine_missing, examine_movement, examine_closed_loop):
             if len(copy) < 4:
-                return []
+                return ()
             try:
                 examination(copy)
             except np.linalg.LinAlgError:
-                return []
-    return [f for f in copy.findings if f.confidence >= SURE]
+                return ()
+    return tuple(f for f in copy.findings if f.confidence >= SURE)
