@@ -67,6 +67,8 @@ _SETTINGS = {
     "grid.color": MUTED,
     "grid.alpha": 0.3,
     "grid.linewidth": 0.5,
+    # Where a title stands is not searched for: a third of the time of a figure, and the panels have none above their ticks.
+    "axes.titley": 1.0,
     "axes.unicode_minus": True,
     "axes.formatter.useoffset": False,
     "legend.frameon": False,
