@@ -59,7 +59,9 @@ def read_parquet(data: bytes, file: Path) -> RawTable:
         source = pyarrow.BufferReader(data)
         schema = pyarrow.parquet.ParquetFile(source).schema_arrow
         texts, others = _columns(schema, pyarrow.types)
-        nested = [f"'{printable(f.name)}' ({printable(str(f.type))[:40]})" for f in schema if f.name not in {*texts, *others}]
+        nested = [
+            f"'{printable(f.name)}' ({printable(str(f.type))[:40]})" for f in schema if f.name not in {*texts, *others}
+        ]
         # A text that many rows share is kept once.
         opened = pyarrow.parquet.ParquetFile(source, read_dictionary=texts)
         _check_size(opened.metadata, len(texts) + len(others), file)
@@ -93,7 +95,11 @@ def read_parquet(data: bytes, file: Path) -> RawTable:
         comments=tuple(comment.splitlines()),
         notes=(
             *([f"Columns of long texts were left out: {', '.join(map(repr, long))}."] if long else []),
-            *([f"Columns that hold no single values were left out: {', '.join(nested[:_NAMED])}{_more(nested)}."] if nested else []),
+            *(
+                [f"Columns that hold no single values were left out: {', '.join(nested[:_NAMED])}{_more(nested)}."]
+                if nested
+                else []
+            ),
         ),
     )
 
