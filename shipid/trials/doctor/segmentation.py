@@ -139,6 +139,14 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tupl
     best = max(robust.runs(np.array(good)), key=lambda run: run[1] - run[0], default=None)
     if best is None or best[1] - best[0] < 2:
         return []
+    if (
+        tuple(map(int, best)) == (0, 2)
+        and len(chain) == 3
+        and 0.75 < abs(chain[2].angle) / angle < 1.35
+        and chain[2].dwell > 0.3
+    ):
+        # The last plate is held for long; without it one reversal is left, which tells no heading.
+        best = (0, 3)
     plates = chain[best[0] : best[1]]
     if best[0] == 1 and _turned_back(p, delta, chain[0], plates):
         plates = chain[: best[1]]

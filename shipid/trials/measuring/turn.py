@@ -12,7 +12,7 @@ from shipid.trials.measuring.current import drift_of, still_water
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
-from shipid.trials.measuring.rudder.late import not_told, turn_notes, turn_setting_out
+from shipid.trials.measuring.rudder.late import in_words, not_told, turn_by_clock, turn_notes, turn_setting_out
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.track import TurnTrack, drift, over_ground_notes, speed_channel, track_channels
 from shipid.trials.signals import series
@@ -138,11 +138,20 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
     late, beside = turn_setting_out(steering, side, when), {}
+    moves = when if late is None else late.times[0]
+    clock, apart = turn_by_clock(steering, psi, side, moves), ""
     if track is not None:
         way = TurnTrack(track[0], track[1], course, side, when, calm, faults)
         found |= way.distances(quarters, reasons)
         if late is not None:
             beside = TurnTrack(track[0], track[1], course, side, late.times[0], calm, faults).distances(quarters, {})
+        if clock is not None:
+            other = TurnTrack(track[0], track[1], course, side, when + clock.times[0] - moves, calm, faults)
+            shifted = [None if q is None else q - clock.times[0] + moves for q in quarters]
+            apart = (
+                f"counted from where it acts: {in_words(other.distances(quarters, {}))}; "
+                f"if it is the heading: {in_words(way.distances(shifted, {}))}"
+            )
         if track[2] == "positions":
             why = faults.step(when, off) or way.jump(off)
             at = psi.t[running], psi.y[running], turned[running]
@@ -155,8 +164,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         for name in ("course", *_DISTANCES, *(f"{name}_still_water" for name in _DISTANCES)):
             if found.pop(name, None) is not None or name in {"course", *reasons}:
                 reasons[name] = no_course
-        beside = {}
-        notes = []
+        beside, clock, notes = {}, None, []
     approach = None if moving is None else series.value_at(moving.t, moving.y, when, calm, 1)
     if moving is not None and (hole := moving.hole(when)) is not None:
         approach, reasons["approach_speed"] = None, faults.hole(moving.name, hole)
@@ -172,6 +180,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     if moving is not None and approach:
         notes += _unsteady(moving, when, calm, (quarters[0] or off) - when, approach)
     notes += [*swerved, *over_ground, *turn_notes(late, beside, steering, approach or 0.0)]
+    notes += [] if clock is None else [clock.notice(apart or "the times count from another moment, too")]
     measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
     return TurningCircle(
         trial=trial.name,
@@ -191,7 +200,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         reasons=reasons | ({} if start[0].hole is None else {"first_execute": faults.hole("delta", start[0].hole)}),
         notes=(
             *notes,
-            *not_told(faults.notes(("psi", steering.channel.name, *measured_on)), late, steering.channel.name),
+            *not_told(faults.notes(("psi", steering.channel.name, *measured_on)), late or clock, steering.channel.name),
         ),
         **found,
     )

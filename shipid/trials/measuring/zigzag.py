@@ -146,7 +146,8 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     steering = rate_of(steering, held)
     logged = channel_of(trial, "psi", faults.wrong.get("psi"))
     held = without_keeping(steering, logged, held)
-    held = [*turned_back(steering, logged, everything, held), *held]
+    short = turned_back(steering, logged, everything, held)
+    everything, held = [*(plate for plate in short if plate not in everything), *everything], [*short, *held]
     executes = [leaves(steering, plate) for plate in held[:-1]]
     when = [e.time for e in executes]
     end = steering.after(held[-1])

@@ -247,3 +247,29 @@ def test_a_turn_from_no_steady_speed_is_told(gain, said):
     })  # fmt: skip
     told = [str(note) for note in measure(Trial.from_frame(frame)).notes if "steady approach speed" in str(note)]
     assert told[0].startswith(said) if said else not told
+
+
+@pytest.mark.parametrize("early", [0.0, 3.0, -3.0])
+def test_a_rudder_on_another_clock_than_the_heading_gives_both_advances(early):
+    t = np.arange(0.0, 220.0, 1.0)
+    rudder = np.clip(3.0 * (t - 40.0), 0.0, 35.0)
+    r = np.zeros_like(t)
+    for k in range(1, len(t)):
+        r[k] = r[k - 1] + (0.08 * rudder[k - 1] - r[k - 1]) / 12.0
+    psi = np.cumsum(r)
+    north, east = np.cumsum(8.0 * np.cos(np.radians(psi))), np.cumsum(8.0 * np.sin(np.radians(psi)))
+    columns = {
+        "t [s]": t,
+        "psi [deg]": psi,
+        "x [m]": north,
+        "y [m]": east,
+        "delta [deg]": np.interp(t + early, t, rudder),
+    }
+    found = measure(Trial.from_frame(pd.DataFrame(columns), name="turn"))
+    told = [n for n in found.notes if n.kind == "latency"]
+    assert len(told) == (early != 0)
+    if early:
+        true = found.advance - 8.0 * early
+        assert told[0].serious
+        stated = float(told[0].split("counted from where it acts: advance ")[1].split(" m")[0])
+        assert stated == pytest.approx(true, rel=0.015)

@@ -311,3 +311,13 @@ def test_three_digits_are_tenths_of_a_degree_about_a_peak(logged):
     found = np.degrees(measure(Trial.from_frame(frame)).overshoot_uncertainties)
     assert np.all(found > 0.055) and np.all(np.degrees(measure(trial).overshoot_uncertainties) < 0.03)
     assert np.all(np.abs(np.degrees(measure(Trial.from_frame(frame)).overshoots) - overshoots[: found.size]) < found)
+
+
+def test_gear_so_slow_that_its_first_plates_are_tips_is_measured_from_the_first_reversal(sailed):
+    # The rudder is reversed at 12 and at 24 deg before it reaches its 35.
+    t, psi, delta, _, orders, overshoots = sailed(rudder=35.0, switch=5.0, rudder_rate=0.5, duration=520.0)
+    columns = {"t [s]": t[::100], "psi [deg]": psi[::100], "delta [deg]": delta[::100]}
+    found = measure(Trial.from_frame(pd.DataFrame(columns), name="slow"), "zig-zag")
+    assert found.nominal == "35/5" and found.first_side == "starboard"
+    assert found.executes[:3] == pytest.approx(orders[1:4], abs=1.0)
+    assert [np.degrees(v) for v in found.overshoots[:2]] == pytest.approx(overshoots[:2], abs=0.3)

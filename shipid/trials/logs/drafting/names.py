@@ -77,7 +77,7 @@ _AMBIGUOUS = {_plain(name): fields for name, fields in _OPEN.items()}
 _UNITS = {
     "deg": "deg", "degs": "deg/s", "degmin": "deg/min", "degpermin": "deg/min", "degpersec": "deg/s", "degrees": "deg", "grad": "deg",
     "rad": "rad", "rads": "rad/s", "kn": "kn", "kt": "kn", "kts": "kn", "knots": "kn", "mps": "m/s", "ms": "m/s", "kmh": "km/h",
-    "degps": "deg/s", "dps": "deg/s", "degpmin": "deg/min", "rpm": "rpm", "rps": "rps", "m": "m", "meter": "m", "metres": "m", "meters": "m", "knoten": "kn",
+    "degps": "deg/s", "dps": "deg/s", "degpmin": "deg/min", "rpm": "rpm", "rps": "rps", "m": "m", "meter": "m", "metres": "m", "meters": "m", "knoten": "kn", "nds": "kn",
 }  # fmt: skip
 _SIDE = re.compile(r"(port|ps|pt|stbd|sb|bb|starboard|steuerbord|backbord|1|2|left|right)$")
 

@@ -9,10 +9,13 @@ import numpy as np
 from shipid.trials.measuring.rudder.executes import leaves
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.channel import Channel
-from shipid.trials.signals.plates import DWELL, IDLE, Plate
+from shipid.trials.signals.plates import DWELL, IDLE, Plate, reached_angle
 
 _ALIKE = 0.3
 """Headings at which the rudder is reversed are one where they are this share of it apart."""
+
+_TIP = 0.15
+"""A rudder that goes over by less than this share of its plate before it is no order of the zig-zag."""
 
 _OTHER = 0.4
 """A reversal farther from the usual heading than this share of it was not ordered by the zig-zag."""
@@ -49,7 +52,7 @@ def without_keeping(steering: Steering, psi: Channel, held: list[Plate]) -> list
 
 
 def turned_back(steering: Steering, psi: Channel, everything: Sequence[Plate], held: Sequence[Plate]) -> list[Plate]:
-    """Return the plate before the first, where slow gear was reversed short of it, at the heading of the other reversals.
+    """Return the plates before the first, where slow gear was reversed short of it, at the heading of the other reversals.
 
     Parameters
     ----------
@@ -65,18 +68,36 @@ def turned_back(steering: Steering, psi: Channel, everything: Sequence[Plate], h
     Returns
     -------
     list of Plate
-        One, or none.
+        In order of time; seldom more than one.
     """
     k = next(i for i, plate in enumerate(everything) if plate.first == held[0].first)
-    if not k or len(held) < 3:
+    if len(held) < 3:
         return []
-    before = everything[k - 1]
-    if before.side == held[0].side or before.idle > IDLE or before.dwell < DWELL:
+    before = everything[k - 1] if k else _short_of_half(steering, held[0])
+    if before is None or before.side == held[0].side or before.idle > IDLE or before.dwell < DWELL:
         return []
     at = np.interp([leaves(steering, plate).time for plate in (before, *held[:-1])], psi.t, psi.y) * before.side
     swing = 0.5 * float(at[0] - at[1])
     alike = max(float(np.ptp(at[0::2])), float(np.ptp(at[1::2]))) < _ALIKE * swing
-    return [before] if swing > 0 and alike else []
+    if not (swing > 0 and alike):
+        return []
+    earlier = everything if k else [before, *everything]
+    return [*turned_back(steering, psi, earlier, [before, *held]), before]
+
+
+def _short_of_half(steering: Steering, first: Plate) -> Plate | None:
+    """The tip that gear so slow was reversed at that it is no plate: not half over to the other side before the first."""
+    y = -first.side * steering.channel.y[: first.first]
+    over = np.flatnonzero(y > _TIP * abs(first.angle))
+    if not over.size:
+        return None
+    gaps = np.flatnonzero(np.diff(over) > 1)
+    run = over[int(gaps[-1]) + 1 :] if gaps.size else over
+    peak = reached_angle(y[run])
+    begin = int(run[np.argmax(y[run] >= 0.5 * peak)])
+    put = y[begin : int(run[-1]) + 1]
+    dwell = float(np.mean(np.abs(put - peak) <= 0.2 * peak))
+    return Plate(begin, first.first, -first.side * peak, dwell, float(np.mean(np.abs(y[begin:]) < 0.15 * peak)))
 
 
 def goes_on_from(steering: Steering, everything: Sequence[Plate], held: Sequence[Plate]) -> bool:

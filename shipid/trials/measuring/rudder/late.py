@@ -11,8 +11,10 @@ from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.notices import Notice
 from shipid.trials.doctor.early_rudder import early_rudder, order_answered
 from shipid.trials.measuring.faults import Faults
+from shipid.trials.measuring.rudder.answer import answer_of_turn
 from shipid.trials.measuring.rudder.executes import first_execute, leaves
 from shipid.trials.measuring.rudder.steering import Steering
+from shipid.trials.signals.channel import Channel
 from shipid.trials.signals.order import GEAR, lag_behind_order
 from shipid.trials.trial import Trial
 
@@ -164,6 +166,31 @@ def turn_setting_out(steering: Steering, side: int, order: float) -> SettingOut 
     )
 
 
+def turn_by_clock(steering: Steering, psi: Channel, side: int, moves: float) -> SettingOut | None:
+    """Return when the rudder of a turn acts by the ship's answer, where its clock is not that of the heading; None where it is.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder, or of the order with that of the rudder beside it.
+    psi : Channel
+        The heading.
+    side : int
+        1 for a turn to starboard, -1 for one to port.
+    moves : float
+        When the rudder sets out by its stamps [s].
+    """
+    rudder = steering.feedback or steering
+    answer = answer_of_turn(rudder.channel, psi, side, moves)
+    # An order alone is answered late: the gear takes its time.
+    if answer is None or not answer.apart or (rudder.logged and answer.delay > 0):
+        return None
+    span = f"{abs(answer.delay):.2g} s {'after' if answer.delay > 0 else 'before'} the rudder moves (to {answer.within:.2g} s)"
+    why = "are not on one clock" + (", or the steering gear has a dead time" if answer.delay > 0 else "")
+    words = f"by its stamps the ship begins to turn {span}: rudder and heading {why}"
+    return SettingOut((moves + answer.delay,), True, words, "latency", rudder.channel.name)
+
+
 def turn_notes(
     late: SettingOut | None, beside: Mapping[str, float | None], steering: Steering, speed: float
 ) -> list[Notice]:
@@ -181,8 +208,7 @@ def turn_notes(
         Speed at the order [m/s].
     """
     if late is not None:
-        said = ", ".join(f"{n.replace('_', ' ')} {shown(v, 'x', digits=3)}" for n, v in beside.items() if v is not None)
-        return [late.notice(f"counted from there: {said}")]
+        return [late.notice(f"counted from there: {in_words(beside)}")]
     if not steering.logged or steering.feedback is not None:
         return []
     return [
@@ -192,6 +218,17 @@ def turn_notes(
             "order-alone",
         )
     ]
+
+
+def in_words(found: Mapping[str, float | None]) -> str:
+    """Return the distances of a turn in words, those that are known.
+
+    Parameters
+    ----------
+    found : Mapping of str to float or None
+        The distances by their names [m].
+    """
+    return ", ".join(f"{n.replace('_', ' ')} {shown(v, 'x', digits=3)}" for n, v in found.items() if v is not None)
 
 
 def unseen_by(trial: Trial, steering: Steering) -> float | None:

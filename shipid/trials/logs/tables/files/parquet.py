@@ -10,6 +10,7 @@ import pandas as pd
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError
+from shipid.foundation.printable import printable
 from shipid.trials.columns import split_header
 from shipid.trials.errors import DamagedFileError, EmptyFileError, FileSizeError, TrialError
 from shipid.trials.logs.clocks.headers import NAMES, short
@@ -18,6 +19,8 @@ from shipid.trials.logs.tables.table import MOST_COLUMNS, RawTable
 
 #: Letters of a cell of text.
 _LONGEST = 1_000
+#: Columns that are left out and named.
+_NAMED = 8
 
 
 def read_parquet(data: bytes, file: Path) -> RawTable:
@@ -54,7 +57,11 @@ def read_parquet(data: bytes, file: Path) -> RawTable:
         ) from None
     try:
         source = pyarrow.BufferReader(data)
-        texts, others = _columns(pyarrow.parquet.ParquetFile(source).schema_arrow, pyarrow.types)
+        schema = pyarrow.parquet.ParquetFile(source).schema_arrow
+        texts, others = _columns(schema, pyarrow.types)
+        nested = [
+            f"'{printable(f.name)}' ({printable(str(f.type))[:40]})" for f in schema if f.name not in {*texts, *others}
+        ]
         # A text that many rows share is kept once.
         opened = pyarrow.parquet.ParquetFile(source, read_dictionary=texts)
         _check_size(opened.metadata, len(texts) + len(others), file)
@@ -86,7 +93,14 @@ def read_parquet(data: bytes, file: Path) -> RawTable:
         columns=(*(() if clock is None else (clock,)), *(columns[k] for k in order)),
         units=tuple(units.get(header) for header in headers),
         comments=tuple(comment.splitlines()),
-        notes=(f"Columns of long texts were left out: {', '.join(map(repr, long))}.",) if long else (),
+        notes=(
+            *([f"Columns of long texts were left out: {', '.join(map(repr, long))}."] if long else []),
+            *(
+                [f"Columns that hold no single values were left out: {', '.join(nested[:_NAMED])}{_more(nested)}."]
+                if nested
+                else []
+            ),
+        ),
     )
 
 
@@ -96,6 +110,10 @@ def _columns(schema: Plain, types: Plain) -> tuple[list[str], list[str]]:
     texts = [name for name, kind in inner.items() if types.is_string(kind) or types.is_large_string(kind)]
     plain = (types.is_integer, types.is_floating, types.is_boolean, types.is_temporal, types.is_decimal, types.is_null)
     return texts, [f.name for f in schema if any(is_kind(f.type) for is_kind in plain)]
+
+
+def _more(names: list[str]) -> str:
+    return f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
 
 
 def _longest(column: Plain) -> int:

@@ -25,9 +25,11 @@ def test_kinds_of_columns(frame, tmp_path, same):
     frame["delta [deg]"] = frame["delta [deg]"].map(str)
     frame["place"] = pd.Categorical(["north"] * len(frame))
     frame["many"] = [[1, 2]] * len(frame)
+    frame["pos"] = [{"x": 1.0}] * len(frame)
     frame.to_parquet(tmp_path / "log.parquet")
     trial = read_trial(tmp_path / "log.parquet")
     assert same(trial) and "Columns of text were left out: 'place'." in trial.source.notes
+    assert any("'many' (list<element: int64>), 'pos' (struct<x: double>)" in note for note in trial.source.notes)
 
 
 def test_whatever_its_name(frame, tmp_path, same):
