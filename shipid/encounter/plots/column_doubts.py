@@ -7,13 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from shipid.encounter.plots.raw_plots import RawPlots
+from shipid.encounter.plots.raw_plots import RawPlots, midnights
 from shipid.foundation.notices import Notice
 
-#: Seconds of a day.
-DAY = 86400.0
-#: How far a time of day jumps back at least where midnight has passed, s; turns that no bearing counts.
-_MOST_OF_DAY, _TURNS = 43200.0, 2.5
+#: Turns that no bearing counts.
+_TURNS = 2.5
 #: So many bearings that differ by more than this, rad, show what they go round.
 _SOME, _SPREAD = 20, 0.002
 #: A wrong clock: plots so far from all others in time, within so short a time, s, and this share of all plots at most.
@@ -68,25 +66,6 @@ def doubts(log: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray], sen
             )
         )
     return found
-
-
-def midnights(t: np.ndarray) -> np.ndarray:
-    """Return how many midnights have passed at each time of day, shape (N,); none where the times are no times of day.
-
-    Parameters
-    ----------
-    t : ndarray, shape (N,)
-        In the order of the log, s.
-    """
-    known = np.flatnonzero(np.isfinite(t))
-    days = np.zeros(t.size)
-    if known.size > 1 and t[known].min() >= 0 and t[known].max() <= DAY:
-        step = np.diff(t[known])
-        # A wrong time jumps ahead, and the next one back: that is no midnight.
-        back = step < -_MOST_OF_DAY
-        back[1:] &= ~(step[:-1] > _MOST_OF_DAY)
-        days[known[1:]] = np.cumsum(back)
-    return days
 
 
 def possible(raw: RawPlots) -> RawPlots:
