@@ -20,9 +20,20 @@ from shipid.trials.logs.reading import read_record
 from shipid.trials.logs.tables.reading import read_table
 from shipid.trials.logs.tables.table import record_of
 
+#: Names of the column that tells true ships apart; positions of one ship at one time lie no farther apart than this, m, but for this share.
+_SHIP, _ONE_PLACE, _SELDOM = ("ship", "target", "name", "id", "vessel", "mmsi"), 100.0, 0.05
+
 
 def first_fix(own: str | Path, fmt: PlotFormat | None) -> tuple[float, float] | None:
-    """Latitude and longitude where own ship's file begins, rad."""
+    """Return latitude and longitude where own ship's file begins, rad; None where it counts in metres.
+
+    Parameters
+    ----------
+    own : str or Path
+        The file.
+    fmt : PlotFormat or None
+        That of the plots, which may describe it.
+    """
     if fmt is not None and fmt.own is not None:
         lonlat = fmt.truth is not None and fmt.truth.lonlat
         fixes = truth_of_structs(file_of(own), fmt).get(fmt.own) if lonlat else None
@@ -44,7 +55,15 @@ def _fixes(path: str | Path) -> np.ndarray | None:
 
 
 def own_among(truth: str | Path, fmt: PlotFormat | None) -> str | Path | None:
-    """The file of the true tracks, where own ship is one of them by the format; else None."""
+    """Return the file of the true tracks, where own ship is one of them by the format; else None.
+
+    Parameters
+    ----------
+    truth : str or Path
+        The file.
+    fmt : PlotFormat or None
+        That of the plots.
+    """
     if fmt is None or fmt.own is None or fmt.truth is None:
         return None
     return truth if fmt.own in _true_tables(file_of(truth), fmt) else None
@@ -57,7 +76,26 @@ def _true_tables(file: Path, fmt: PlotFormat) -> dict[str, np.ndarray]:
 
 
 def own_path(own: str | Path | None, fmt: PlotFormat | None, origin: tuple[float, float] | None) -> ShipPath | None:
-    """Own ship from a file of her own."""
+    """Return own ship's path from a file of her own; None where no file is given.
+
+    Parameters
+    ----------
+    own : str, Path or None
+        The file.
+    fmt : PlotFormat or None
+        That of the plots, which may describe it.
+    origin : tuple of float or None
+        Latitude and longitude of x = y = 0, rad.
+
+    Raises
+    ------
+    EncounterRequestError
+        If nothing says where the path lies beside the plots, or the file holds several ships.
+    UnknownColumnError
+        If it holds no positions.
+    FormatFileError
+        If the format names a ship that it does not hold.
+    """
     if own is None:
         return None
     if fmt is not None and fmt.own is not None:
@@ -68,14 +106,29 @@ def own_path(own: str | Path | None, fmt: PlotFormat | None, origin: tuple[float
     t, columns = columns_of(record)
     pair = pair_of(columns)
     if origin is not None and pair is not None:
-        return path_of("own ship", t, *to_local(columns[pair[0]], columns[pair[1]], origin))
+        x, y = to_local(columns[pair[0]], columns[pair[1]], origin)
+        _one_ship(own, "", t, x, y)
+        return path_of("own ship", t, x, y)
     if "x" in columns and "y" in columns:
         if origin is not None:
             raise _apart(own, "positions of own ship")
+        _one_ship(own, "", t, columns["x"], columns["y"])
         return path_of("own ship", t, columns["x"], columns["y"])
     raise UnknownColumnError(
         f"'{own}' holds no positions of own ship: it needs x and y, or lat and lon, with their units."
     )
+
+
+def _one_ship(file: str | Path, whose: str, t: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
+    """Refuse positions of which many of one time lie far apart: those of several ships."""
+    order = np.argsort(t, kind="stable")
+    together = np.diff(t[order]) == 0
+    apart = together & (np.hypot(np.diff(x[order]), np.diff(y[order])) > _ONE_PLACE)
+    if apart.sum() > _SELDOM * t.size:
+        raise EncounterRequestError(
+            f"the positions{whose} in '{file}' are those of several ships: {int(apart.sum())} lie more than {_ONE_PLACE:.0f} m from another "
+            f"one of the same time. Tell true ships apart in a column '{_SHIP[0]}'; own ship's file holds her alone."
+        )
 
 
 def _known(origin: tuple[float, float] | None, file: str | Path, what: str) -> tuple[float, float]:
@@ -97,7 +150,24 @@ def _apart(file: str | Path, what: str) -> EncounterRequestError:
 
 
 def true_paths(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] | None) -> tuple[ShipPath, ...]:
-    """The true tracks of a file, without own ship's."""
+    """Return the true tracks of a file, without own ship's.
+
+    Parameters
+    ----------
+    file : Path
+        The file.
+    fmt : PlotFormat or None
+        That of the plots, which may describe it.
+    origin : tuple of float or None
+        Latitude and longitude of x = y = 0, rad.
+
+    Raises
+    ------
+    EncounterRequestError
+        If nothing says where the tracks lie beside the plots, or which positions are those of one ship.
+    UnknownColumnError
+        If it holds no positions.
+    """
     if fmt is not None and fmt.truth is not None:
         tables = _true_tables(file, fmt)
         if fmt.truth.lonlat:
@@ -110,9 +180,7 @@ def true_paths(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] |
     table = read_table(file)
     record = record_of(table, None)
     t, columns = columns_of(record)
-    labels = next(
-        (c for h, c in zip(table.headers, table.columns) if h.lower() in ("ship", "target", "name", "id")), None
-    )
+    labels = next((c for h, c in zip(table.headers, table.columns) if h.lower() in _SHIP), None)
     names = np.array(["truth"] * t.size) if labels is None else labels.astype(str).to_numpy()
     pair = pair_of(columns)
     local = "x" in columns and "y" in columns
@@ -126,5 +194,7 @@ def true_paths(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] |
         raise UnknownColumnError(
             f"'{file}' holds no true positions: it needs x and y, or lat and lon, with their units."
         )
+    for n in np.unique(names):
+        _one_ship(file, "" if labels is None else f" of '{n}'", t[names == n], x[names == n], y[names == n])
     paths = [path_of(str(n), t[names == n], x[names == n], y[names == n]) for n in np.unique(names)]
     return tuple(p for p in paths if p is not None)

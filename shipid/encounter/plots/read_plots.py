@@ -16,18 +16,15 @@ from shipid.encounter.plots.plot_format import PlotFormat, failed, read_plot_for
 from shipid.encounter.plots.plots import Plots, Sensor, make_plots
 from shipid.encounter.plots.raw_plots import NAMES, OWN, RawPlots, columns_of, file_of, named
 from shipid.encounter.plots.sentences import holds_plots, plots_of_sentences
-from shipid.encounter.plots.ship_path import ShipPath, path_of
+from shipid.encounter.plots.ship_path import CARRIED, ShipPath, path_doubts, path_of
 from shipid.foundation.aliases import Plain
-from shipid.foundation.notices import notice_of
+from shipid.foundation.notices import Notice, notice_of
 from shipid.trials.errors import EmptyFileError, ForeignFileError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.positions import pair_of
 from shipid.trials.logs.tables.reading import read_table
 from shipid.trials.logs.tables.table import record_of
-
-#: How far before and after own ship's path she is taken to lie where it begins and ends, s.
-_BEYOND = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +97,7 @@ def read_detections(
     FormatFileError
         If the format file does not fit.
     EncounterRequestError
-        If own ship's path and the plots have no time in common, or nothing says where own ship or the true tracks lie beside the plots.
+        If own ship's path or the true tracks and the plots have no time in common, or nothing says where they lie beside the plots.
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = file_of(path)
@@ -114,6 +111,8 @@ def read_detections(
     paths = own_path(own, fmt, origin)
     ship = paths if paths is not None else _own_in(raw, origin)
     relative = ship is None and "range" in raw.columns
+    if ship is not None:
+        raw = _beside(raw, ship, begin)
     x, y, here, frame = _placed(raw, origin, ship)
     known = sensors or (fmt.sensors if fmt else ()) or raw.sensors or (Sensor(),)
     if sensor_values:
@@ -131,10 +130,10 @@ def read_detections(
         raise EmptyFileError(f"'{file}' holds no plot with a time and a position.{why}")
     found = tuple(_shifted(p, begin) for p in (true_paths(file_of(truth), fmt, origin) if truth is not None else ()))
     ship = None if ship is None else _shifted(ship, begin)
-    if ship is not None and not ship.covers(np.array([s.t for s in plots])).any():
+    if found and not any(p.covers(np.array([s.t for s in plots])).any() for p in found):
         raise EncounterRequestError(
-            f"the path of own ship runs from {ship.t[0]:.6g} to {ship.t[-1]:.6g} s after the first plot, and no plot lies in it. "
-            "Give own ship by the clock of the plots."
+            f"the true tracks in '{truth}' run from {min(p.t[0] for p in found):.6g} to {max(p.t[-1] for p in found):.6g} s after the first "
+            "plot, and no plot lies in them. Give them by the clock of the plots."
         )
     plots = replace(plots, notes=(*(notice_of(n) for n in raw.notes), *plots.notes))
     return Detections(file.stem, plots, ship, relative, found)
@@ -193,6 +192,24 @@ def _origin(raw: RawPlots) -> tuple[float, float] | None:
     return None
 
 
+def _beside(raw: RawPlots, own: ShipPath, begin: float) -> RawPlots:
+    """The plots that own ship's path says something of, and what it leaves open: where she was not is not where her path ends."""
+    known = own.covers(raw.t - CARRIED) | own.covers(raw.t + CARRIED) | own.covers(raw.t)
+    runs = f"the path of own ship runs from {own.t[0] - begin:.6g} to {own.t[-1] - begin:.6g} s after the first plot"
+    if np.isfinite(raw.t).any() and not known.any():
+        raise EncounterRequestError(f"{runs}, and no plot lies in it. Give own ship by the clock of the plots.")
+    counted = "range" in raw.columns
+    notes = [*raw.notes, *path_doubts(_shifted(own, begin), counted)]
+    without = np.isfinite(raw.t) & ~known
+    if not counted or not without.any():
+        return replace(raw, notes=tuple(notes))
+    count = int(without.sum())
+    told = f"{count} plot{'s' * (count > 1)} left out that count from own ship before or after her path: {runs}."
+    notes.append(Notice(told, "plots-without-own-ship", count=count))
+    columns = {name: values[~without] for name, values in raw.columns.items()}
+    return replace(raw, t=raw.t[~without], columns=columns, sensor=raw.sensor[~without], notes=tuple(notes))
+
+
 def _own_in(raw: RawPlots, origin: tuple[float, float] | None) -> ShipPath | None:
     """Own ship as the plots themselves tell it."""
     columns = raw.columns
@@ -213,13 +230,8 @@ def _placed(
     here = np.full((raw.t.size, 2), unknown) if own is None else own.at(raw.t)
     frame = "the first position" if origin is not None else "the origin of the log"
     if "range" in columns and "bearing" in columns:
-        range_ = columns["range"]
-        if own is not None:
-            # Where own ship was not is not where her path ends: such a plot has no position.
-            known = own.covers(raw.t - _BEYOND) | own.covers(raw.t + _BEYOND) | own.covers(raw.t)
-            range_ = np.where(known, range_, np.nan)
-        x = here[:, 0] + range_ * np.cos(columns["bearing"])
-        y = here[:, 1] + range_ * np.sin(columns["bearing"])
+        x = here[:, 0] + columns["range"] * np.cos(columns["bearing"])
+        y = here[:, 1] + columns["range"] * np.sin(columns["bearing"])
         return x, y, here, "own ship" if own is None else frame
     if "x" in columns and "y" in columns:
         return columns["x"], columns["y"], here, frame
