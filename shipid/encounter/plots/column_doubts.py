@@ -7,19 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from shipid.encounter.plots.raw_plots import RawPlots
+from shipid.encounter.plots.raw_plots import RawPlots, midnights
 from shipid.foundation.notices import Notice
 
-#: Seconds of a day.
-DAY = 86400.0
-#: How far a time of day jumps back at least where midnight has passed, s; turns that no bearing counts.
-_MOST_OF_DAY, _TURNS = 43200.0, 2.5
+#: Turns that no bearing counts.
+_TURNS = 2.5
 #: So many bearings that differ by more than this, rad, show what they go round.
 _SOME, _SPREAD = 20, 0.002
 #: A wrong clock: plots so far from all others in time, within so short a time, s, and this share of all plots at most.
 _FAR, _BRIEF, _FEW = 3600.0, 5.0, 0.05
 #: Columns that say which sensor saw a plot; more values than these are something else.
 _SENSORS, _MOST_SENSORS = ("sensor", "sensor_id", "sensorid", "sensor id"), 20
+#: Ranges that are all shorter, m, are hardly those of a radar; ranges with nothing between two of this ratio are in two units.
+_SHORT, _APART, _MILE = 30.0, 30.0, 1852.0
+#: Positions so far from where most lie, m, were never received together; as long as they are few, they are left out.
+_UNHEARD, _MINORITY = 1e6, 1 / 3
+#: Radius of the Earth, m.
+_EARTH = 6.371e6
 #: Beyond a pole or a whole turn by no more than this is rounding, rad.
 _ROUNDING = 1e-6
 
@@ -67,26 +71,41 @@ def doubts(log: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray], sen
                 "bearing-unit",
             )
         )
-    return found
+    return found + _range_unit(columns.get("range", np.zeros(0)))
 
 
-def midnights(t: np.ndarray) -> np.ndarray:
-    """Return how many midnights have passed at each time of day, shape (N,); none where the times are no times of day.
+def _range_unit(ranges: np.ndarray) -> list[Notice]:
+    """Ranges that are hardly metres, all of them or some."""
+    known = np.sort(ranges[np.isfinite(ranges) & (ranges > 0)])
+    if known.size < _SOME:
+        return []
+    if known[-1] < _SHORT:
+        return [
+            Notice(
+                f"all ranges lie below {known[-1]:.3g} m: their column may hold nautical miles or kilometres. Write its unit in the header.",
+                "range-unit",
+                serious=True,
+            )
+        ]
+    k = int(np.diff(np.log(known)).argmax()) + 1
+    near, far = known[:k], known[k:]
+    likely = [name for name, unit in (("kilometres", 1e3), ("nautical miles", _MILE)) if _within(unit * near, far)]
+    if min(near.size, far.size) < _SOME // 2 or far[0] < _APART * near[-1] or near[-1] > _SHORT or not likely:
+        return []
+    return [
+        Notice(
+            f"{near.size} ranges lie below {near[-1]:.3g} m, and all others beyond {far[0]:.0f} m: the column may mix metres and "
+            f"{' or '.join(likely)}. Write all in one unit, or each sensor in a log of its own.",
+            "range-unit",
+            serious=True,
+            count=int(near.size),
+        )
+    ]
 
-    Parameters
-    ----------
-    t : ndarray, shape (N,)
-        In the order of the log, s.
-    """
-    known = np.flatnonzero(np.isfinite(t))
-    days = np.zeros(t.size)
-    if known.size > 1 and t[known].min() >= 0 and t[known].max() <= DAY:
-        step = np.diff(t[known])
-        # A wrong time jumps ahead, and the next one back: that is no midnight.
-        back = step < -_MOST_OF_DAY
-        back[1:] &= ~(step[:-1] > _MOST_OF_DAY)
-        days[known[1:]] = np.cumsum(back)
-    return days
+
+def _within(values: np.ndarray, others: np.ndarray) -> bool:
+    """Whether values lie about where others do."""
+    return bool(values[-1] > others[0] / 3 and values[0] < 3 * others[-1])
 
 
 def possible(raw: RawPlots) -> RawPlots:
@@ -110,6 +129,8 @@ def possible(raw: RawPlots) -> RawPlots:
                 f"{what} with a latitude above 90 deg or a longitude above 360 deg left out: 91 and 181 stand for none."
             )
             notes.append(Notice(told, "positions-impossible", count=int(off.sum())))
+    if "lat" in columns and "lon" in columns:
+        notes += _left_far(columns)
     below = columns.get("range", np.zeros(0)) < 0
     if below.any():
         columns["range"] = np.where(below, np.nan, columns["range"])
@@ -123,6 +144,35 @@ def possible(raw: RawPlots) -> RawPlots:
         told = f"{_many(far, 'plot')} stamped an hour or more away from all others left out: a wrong clock."
         notes.append(Notice(told, "plots-far-in-time", count=int(far.sum())))
     return replace(raw, t=np.where(far, np.nan, raw.t), columns=columns, notes=tuple(notes))
+
+
+def _left_far(columns: dict[str, np.ndarray]) -> list[Notice]:
+    """Leave out positions on another coast than most, or than own ship's; tell it where they are too many for a fault."""
+    at = ("own_lat", "own_lon") if np.isfinite(columns.get("own_lat", np.nan)).any() else ("lat", "lon")
+    centre = [float(np.nanmedian(columns[name])) if np.isfinite(columns[name]).any() else np.nan for name in at]
+    lat, lon = columns["lat"], columns["lon"]
+    far = _away(lat, lon, centre) > _UNHEARD
+    if not far.any():
+        return []
+    turned = far & (_away(lon, lat, centre) < _UNHEARD)
+    why = "latitude and longitude exchanged" if turned.any() else "wrong positions"
+    what = f"{_many(far, 'position')} more than {_UNHEARD / 1000:.0f} km from {'own ship' if at[0] == 'own_lat' else 'most others'}"
+    if at[0] == "lat" and far.sum() > _MINORITY * np.isfinite(lat).sum():
+        return [
+            Notice(
+                f"{what}: {why}, or ships of a whole ocean. No flat chart holds them all.",
+                "positions-far",
+                serious=True,
+            )
+        ]
+    columns["lat"], columns["lon"] = np.where(far, np.nan, lat), np.where(far, np.nan, lon)
+    return [Notice(f"{what} left out: {why}.", "positions-far", serious=bool(turned.any()), count=int(far.sum()))]
+
+
+def _away(lat: np.ndarray, lon: np.ndarray, centre: list[float]) -> np.ndarray:
+    """Distance along the Earth, m."""
+    half = np.sin((lat - centre[0]) / 2) ** 2 + np.cos(lat) * np.cos(centre[0]) * np.sin((lon - centre[1]) / 2) ** 2
+    return np.asarray(2 * _EARTH * np.arcsin(np.sqrt(np.clip(half, 0.0, 1.0))))
 
 
 def _many(which: np.ndarray, what: str) -> str:

@@ -4,48 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.plots.column_doubts import DAY, doubts, midnights, possible
-from shipid.encounter.plots.json_records import plots_of_json, truth_of_json
+from shipid.encounter.plots.column_doubts import doubts, possible
+from shipid.encounter.plots.given_paths import first_fix, own_among, own_path, true_paths
+from shipid.encounter.plots.json_records import plots_of_json
 from shipid.encounter.plots.plot_format import PlotFormat, failed, read_plot_format
 from shipid.encounter.plots.plots import Plots, Sensor, make_plots
-from shipid.encounter.plots.raw_plots import RawPlots
+from shipid.encounter.plots.raw_plots import NAMES, OWN, RawPlots, columns_of, file_of, named
 from shipid.encounter.plots.sentences import holds_plots, plots_of_sentences
-from shipid.encounter.plots.ship_path import ShipPath, path_of
-from shipid.encounter.plots.structs import truth_of_structs
+from shipid.encounter.plots.ship_path import CARRIED, ShipPath, path_doubts, path_of
 from shipid.foundation.aliases import Plain
-from shipid.foundation.errors import MissingFileError
-from shipid.foundation.notices import notice_of
-from shipid.trials import columns as spelling
-from shipid.trials.errors import ClockError, EmptyFileError, ForeignFileError, NoUnitError, UnknownColumnError
+from shipid.foundation.notices import Notice, notice_of
+from shipid.trials.errors import EmptyFileError, ForeignFileError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.positions import pair_of
-from shipid.trials.logs.reading import read_record
-from shipid.trials.logs.record import LenientRecord
 from shipid.trials.logs.tables.reading import read_table
 from shipid.trials.logs.tables.table import record_of
-
-#: How far before and after own ship's path she is taken to lie where it begins and ends, s.
-_BEYOND = 5.0
-#: What a column may be called.
-_NAMES = {
-    "range": ("range", "distance", "rng", "dist"),
-    "bearing": ("bearing", "azimuth", "brg"),
-    "x": ("x", "north", "n"),
-    "y": ("y", "east", "e"),
-}
-_OWN = {
-    "own_x": ("own_x", "own_north"),
-    "own_y": ("own_y", "own_east"),
-    "own_lat": ("own_lat",),
-    "own_lon": ("own_lon",),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,20 +97,22 @@ def read_detections(
     FormatFileError
         If the format file does not fit.
     EncounterRequestError
-        If own ship's path and the plots have no time in common, or nothing says where own ship or the true tracks lie beside the plots.
+        If own ship's path or the true tracks and the plots have no time in common, or nothing says where they lie beside the plots.
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
-    file = _file(path)
+    file = file_of(path)
     raw = possible(_raw(file, fmt))
     origin = _origin(raw)
     if own is None and truth is not None and "own_x" not in raw.columns and "own_lat" not in raw.columns:
-        own = _own_among(truth, fmt)
+        own = own_among(truth, fmt)
     if origin is None and own is not None:
-        origin = _first_fix(own, fmt)
+        origin = first_fix(own, fmt)
     begin = _begin(raw.t, raw.looks)
-    paths = _own_paths(own, fmt, origin)
+    paths = own_path(own, fmt, origin)
     ship = paths if paths is not None else _own_in(raw, origin)
     relative = ship is None and "range" in raw.columns
+    if ship is not None:
+        raw = _beside(raw, ship, begin)
     x, y, here, frame = _placed(raw, origin, ship)
     known = sensors or (fmt.sensors if fmt else ()) or raw.sensors or (Sensor(),)
     if sensor_values:
@@ -147,25 +128,15 @@ def read_detections(
     if not len(plots):
         why = "".join(f" {note[:1].upper()}{note[1:]}" for note in (*raw.notes, *plots.notes))
         raise EmptyFileError(f"'{file}' holds no plot with a time and a position.{why}")
-    found = tuple(_shifted(p, begin) for p in (_truth(_file(truth), fmt, origin) if truth is not None else ()))
+    found = tuple(_shifted(p, begin) for p in (true_paths(file_of(truth), fmt, origin) if truth is not None else ()))
     ship = None if ship is None else _shifted(ship, begin)
-    if ship is not None and not ship.covers(np.array([s.t for s in plots])).any():
+    if found and not any(p.covers(np.array([s.t for s in plots])).any() for p in found):
         raise EncounterRequestError(
-            f"the path of own ship runs from {ship.t[0]:.6g} to {ship.t[-1]:.6g} s after the first plot, and no plot lies in it. "
-            "Give own ship by the clock of the plots."
+            f"the true tracks in '{truth}' run from {min(p.t[0] for p in found):.6g} to {max(p.t[-1] for p in found):.6g} s after the first "
+            "plot, and no plot lies in them. Give them by the clock of the plots."
         )
     plots = replace(plots, notes=(*(notice_of(n) for n in raw.notes), *plots.notes))
     return Detections(file.stem, plots, ship, relative, found)
-
-
-def _file(path: str | Path) -> Path:
-    file = Path(path)
-    if not file.is_file():
-        what = "is a folder" if file.is_dir() else "is not there"
-        raise MissingFileError(f"'{file}' {what}. Name a log of plots.")
-    if not file.stat().st_size:
-        raise EmptyFileError(f"'{file}' is empty (0 bytes). Check that the log was written and copied completely.")
-    return file
 
 
 def _begin(t: np.ndarray, looks: np.ndarray) -> float:
@@ -189,8 +160,8 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
         )
     table = read_table(file, fmt.table if fmt else None)
     record = record_of(table, fmt.table if fmt else None)
-    t, columns = _columns(record)
-    found = {k: v for k, v in ((k, _named(columns, n)) for k, n in (_NAMES | _OWN).items()) if v is not None}
+    t, columns = columns_of(record)
+    found = {k: v for k, v in ((k, named(columns, n)) for k, n in (NAMES | OWN).items()) if v is not None}
     pair = pair_of(columns)
     if not {"range", "bearing"} <= set(found) and not {"x", "y"} <= set(found):
         if pair is None:
@@ -210,35 +181,6 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
     return RawPlots(t, found, sensor, notes=(*(record.notes if fmt is None else ()), *said))
 
 
-def _columns(record: LenientRecord) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times that count from where the log's clock does, and the columns, SI."""
-    for fault in record.faults:
-        # A trial may not have a time that stands still, nor a column without a unit; plots may, where it is not theirs.
-        if not isinstance(fault, (ClockError, NoUnitError)):
-            raise fault
-    pair = pair_of(record.values) or ()
-    known = {"t", *pair, *(n for names in (_NAMES | _OWN).values() for n in names)}
-    bare = next((n for n in record.values if n not in record.stated and (n in pair or n.lower() in known)), None)
-    if bare is not None:
-        raise spelling.no_unit(bare, f"{record.where}, ")
-    values = {
-        name: column * spelling.to_inside(name, record.stated[name], f"{record.where}: ")
-        for name, column in record.values.items()
-        if name in record.stated
-    }
-    t = values.get("t", record.values["t"])
-    t = t + DAY * midnights(t)
-    if record.source.start:
-        moment = datetime.fromisoformat(record.source.start)
-        t = t + (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-    return t, values
-
-
-def _named(columns: dict[str, np.ndarray], names: Sequence[str]) -> np.ndarray | None:
-    lowered = {name.lower(): values for name, values in columns.items()}
-    return next((lowered[name] for name in names if name in lowered), None)
-
-
 def _origin(raw: RawPlots) -> tuple[float, float] | None:
     """Latitude and longitude of the first position, rad."""
     for lat, lon in (("own_lat", "own_lon"), ("lat", "lon")):
@@ -248,6 +190,24 @@ def _origin(raw: RawPlots) -> tuple[float, float] | None:
                 k = int(known.argmax())
                 return float(raw.columns[lat][k]), float(raw.columns[lon][k])
     return None
+
+
+def _beside(raw: RawPlots, own: ShipPath, begin: float) -> RawPlots:
+    """The plots that own ship's path says something of, and what it leaves open: where she was not is not where her path ends."""
+    known = own.covers(raw.t - CARRIED) | own.covers(raw.t + CARRIED) | own.covers(raw.t)
+    runs = f"the path of own ship runs from {own.t[0] - begin:.6g} to {own.t[-1] - begin:.6g} s after the first plot"
+    if np.isfinite(raw.t).any() and not known.any():
+        raise EncounterRequestError(f"{runs}, and no plot lies in it. Give own ship by the clock of the plots.")
+    counted = "range" in raw.columns
+    notes = [*raw.notes, *path_doubts(_shifted(own, begin), counted)]
+    without = np.isfinite(raw.t) & ~known
+    if not counted or not without.any():
+        return replace(raw, notes=tuple(notes))
+    count = int(without.sum())
+    told = f"{count} plot{'s' * (count > 1)} left out that count from own ship before or after her path: {runs}."
+    notes.append(Notice(told, "plots-without-own-ship", count=count))
+    columns = {name: values[~without] for name, values in raw.columns.items()}
+    return replace(raw, t=raw.t[~without], columns=columns, sensor=raw.sensor[~without], notes=tuple(notes))
 
 
 def _own_in(raw: RawPlots, origin: tuple[float, float] | None) -> ShipPath | None:
@@ -270,124 +230,10 @@ def _placed(
     here = np.full((raw.t.size, 2), unknown) if own is None else own.at(raw.t)
     frame = "the first position" if origin is not None else "the origin of the log"
     if "range" in columns and "bearing" in columns:
-        range_ = columns["range"]
-        if own is not None:
-            # Where own ship was not is not where her path ends: such a plot has no position.
-            known = own.covers(raw.t - _BEYOND) | own.covers(raw.t + _BEYOND) | own.covers(raw.t)
-            range_ = np.where(known, range_, np.nan)
-        x = here[:, 0] + range_ * np.cos(columns["bearing"])
-        y = here[:, 1] + range_ * np.sin(columns["bearing"])
+        x = here[:, 0] + columns["range"] * np.cos(columns["bearing"])
+        y = here[:, 1] + columns["range"] * np.sin(columns["bearing"])
         return x, y, here, "own ship" if own is None else frame
     if "x" in columns and "y" in columns:
         return columns["x"], columns["y"], here, frame
     # Without an origin no position is known.
     return *to_local(columns["lat"], columns["lon"], origin or (0.0, 0.0)), here, frame
-
-
-def _first_fix(own: str | Path, fmt: PlotFormat | None) -> tuple[float, float] | None:
-    """Latitude and longitude where own ship's file begins, rad."""
-    if fmt is not None and fmt.own is not None:
-        lonlat = fmt.truth is not None and fmt.truth.lonlat
-        fixes = truth_of_structs(_file(own), fmt).get(fmt.own) if lonlat else None
-        return None if fixes is None else (float(fixes[0, 1]), float(fixes[0, 2]))
-    fixes = _fixes(own)
-    return None if fixes is None else (float(fixes[0, 1]), float(fixes[0, 2]))
-
-
-def _fixes(path: str | Path) -> np.ndarray | None:
-    """Time, latitude and longitude of a trial, rad; None where it holds none."""
-    record = read_record(path)
-    t, columns = _columns(record)
-    pair = pair_of(columns)
-    if pair is None:
-        return None
-    found = np.stack([t, columns[pair[0]], columns[pair[1]]], axis=1)
-    found = found[np.isfinite(found).all(axis=1)]
-    return found if len(found) else None
-
-
-def _own_among(truth: str | Path, fmt: PlotFormat | None) -> str | Path | None:
-    """The file of the true tracks, where own ship is one of them by the format; else None."""
-    if fmt is None or fmt.own is None or fmt.truth is None:
-        return None
-    return truth if fmt.own in _true_tables(_file(truth), fmt) else None
-
-
-def _true_tables(file: Path, fmt: PlotFormat) -> dict[str, np.ndarray]:
-    """Times and positions of the true tracks, own ship's among them, of a file that the format describes."""
-    assert fmt.truth is not None, "called for a format with a truth only"
-    return truth_of_structs(file, fmt) if fmt.truth.struct else truth_of_json(file, fmt)
-
-
-def _own_paths(own: str | Path | None, fmt: PlotFormat | None, origin: tuple[float, float] | None) -> ShipPath | None:
-    """Own ship from a file of her own."""
-    if own is None:
-        return None
-    if fmt is not None and fmt.own is not None:
-        if fmt.own not in _true_tables(_file(own), fmt):
-            raise failed(fmt, f"'{own}' holds no ship called '{fmt.own}'.")
-        return {p.name: p for p in _truth(_file(own), replace(fmt, own=None), origin)}[fmt.own]
-    record = read_record(own)
-    t, columns = _columns(record)
-    pair = pair_of(columns)
-    if origin is not None and pair is not None:
-        return path_of("own ship", t, *to_local(columns[pair[0]], columns[pair[1]], origin))
-    if "x" in columns and "y" in columns:
-        if origin is not None:
-            raise _apart(own, "positions of own ship")
-        return path_of("own ship", t, columns["x"], columns["y"])
-    raise UnknownColumnError(
-        f"'{own}' holds no positions of own ship: it needs x and y, or lat and lon, with their units."
-    )
-
-
-def _known(origin: tuple[float, float] | None, file: str | Path, what: str) -> tuple[float, float]:
-    """The origin, for positions in degrees; without one nothing says where they lie beside the plots."""
-    if origin is None:
-        raise EncounterRequestError(
-            f"the {what} in '{file}' are in latitude and longitude, and the plots count in metres from a place that is not known. "
-            "Give own ship's path with lat and lon (--own)."
-        )
-    return origin
-
-
-def _apart(file: str | Path, what: str) -> EncounterRequestError:
-    """What is said where metres from an origin of their own stand beside degrees."""
-    return EncounterRequestError(
-        f"the {what} in '{file}' count in metres from an origin of their own, and the plots lie by latitude and longitude: nothing says "
-        "where one lies beside the other. Give both in degrees, or both in metres from one origin."
-    )
-
-
-def _truth(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] | None) -> tuple[ShipPath, ...]:
-    """The true tracks of a file, without own ship's."""
-    if fmt is not None and fmt.truth is not None:
-        tables = _true_tables(file, fmt)
-        if fmt.truth.lonlat:
-            start = _known(origin, file, "true tracks")
-            tables = {n: np.column_stack([a[:, 0], *to_local(a[:, 1], a[:, 2], start)]) for n, a in tables.items()}
-        elif origin is not None:
-            raise _apart(file, "true tracks")
-        paths = [path_of(n, *a.T) for n, a in tables.items() if n != fmt.own]
-        return tuple(p for p in paths if p is not None)
-    table = read_table(file)
-    record = record_of(table, None)
-    t, columns = _columns(record)
-    labels = next(
-        (c for h, c in zip(table.headers, table.columns) if h.lower() in ("ship", "target", "name", "id")), None
-    )
-    names = np.array(["truth"] * t.size) if labels is None else labels.astype(str).to_numpy()
-    pair = pair_of(columns)
-    local = "x" in columns and "y" in columns
-    if pair is not None and not (local and origin is None):
-        x, y = to_local(columns[pair[0]], columns[pair[1]], _known(origin, file, "true tracks"))
-    elif local and origin is not None:
-        raise _apart(file, "true tracks")
-    elif local:
-        x, y = columns["x"], columns["y"]
-    else:
-        raise UnknownColumnError(
-            f"'{file}' holds no true positions: it needs x and y, or lat and lon, with their units."
-        )
-    paths = [path_of(str(n), t[names == n], x[names == n], y[names == n]) for n in np.unique(names)]
-    return tuple(p for p in paths if p is not None)

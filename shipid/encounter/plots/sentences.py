@@ -13,6 +13,8 @@ import numpy as np
 from shipid.encounter.plots.ais import AisReader
 from shipid.encounter.plots.plots import Sensor
 from shipid.encounter.plots.raw_plots import RawPlots
+from shipid.encounter.plots.ship_path import FASTEST, STRAY
+from shipid.foundation.notices import Notice
 from shipid.trials.errors import EmptyFileError, NonFiniteError
 from shipid.trials.logs.nmea.opening import encoding_of
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
@@ -24,6 +26,12 @@ _UNITS = {"K": 1000.0, "N": 1852.0, "S": 1609.344}
 #: The sentences that tell where own ship is and heads.
 _POSITIONS, _HEADINGS = ("GGA", "RMC", "GLL"), ("THS", "HDT")
 _NAN = float("nan")
+#: Own ship is where her last fix was, or her next one is, so many of its usual intervals, or s, away.
+_INTERVALS, _FRESH = 5.0, 5.0
+#: Fixes beside a smaller share of the plots of a radar tell less than plots relative to her.
+_HALF = 0.5
+#: Radius of the Earth, m.
+_EARTH = 6.371e6
 
 
 @dataclass
@@ -98,18 +106,27 @@ def plots_of_sentences(file: Path) -> RawPlots:
         columns = {"range": np.array(found.range), "bearing": np.array(found.bearing)}
     else:
         columns = {"lat": np.array(found.lat), "lon": np.array(found.lon)}
+    notes = _left_out(found)
     if len(own):
-        columns |= {name: np.interp(t, own[:, 0], own[:, k]) for k, name in ((1, "own_lat"), (2, "own_lon"))}
-    label = np.array(found.label)
+        known = _known_at(t, own[:, 0])
+        if radar and known.mean() < _HALF:
+            share = f"{100 * known.mean():.0f} % of the plots"
+            notes.append(Notice(f"own ship's fixes stand beside {share} only, and are not used.", "own-ship-unknown"))
+        else:
+            for k, name in ((1, "own_lat"), (2, "own_lon")):
+                columns[name] = np.where(known, np.interp(t, own[:, 0], own[:, k]), np.nan)
+    label, place = np.array(found.label), _places(columns)
     period = _repeated(t, label)
-    kept = _thinned(t, label, period)
+    kept = _thinned(t, label, place, period)
+    if not radar:
+        notes += _jumps(t[kept], label[kept], place[kept])
     columns = {name: values[kept] for name, values in columns.items()}
     sensor = (
         Sensor("radar", range_std=30.0, bearing_std=math.radians(0.5), period=period)
         if radar
         else Sensor("AIS", position_std=10.0, period=period)
     )
-    return RawPlots(t[kept], columns, np.zeros(len(kept), int), sensors=(sensor,), notes=tuple(_left_out(found)))
+    return RawPlots(t[kept], columns, np.zeros(len(kept), int), sensors=(sensor,), notes=tuple(notes))
 
 
 def _left_out(found: _Found) -> list[str]:
@@ -238,14 +255,52 @@ def _repeated(t: np.ndarray, label: np.ndarray) -> float | None:
     return float(np.median(together)) if together.size else None
 
 
-def _thinned(t: np.ndarray, label: np.ndarray, period: float | None) -> np.ndarray:
-    """The rows that are kept: of what a target reports within half the usual time, the first."""
-    order = np.argsort(t, kind="stable")
-    last: dict[str, float] = {}
+def _known_at(t: np.ndarray, fixes: np.ndarray) -> np.ndarray:
+    """Whether a fix is near in time, of shape (N,): between fixes that lie far apart, and before and after them all, nobody knows."""
+    usual = float(np.median(np.diff(fixes))) if fixes.size > 1 else 0.0
+    after = np.searchsorted(fixes, t).clip(1, max(fixes.size - 1, 1))
+    away = np.minimum(np.abs(t - fixes[after - 1]), np.abs(t - fixes[after.clip(0, fixes.size - 1)]))
+    return np.asarray((fixes[0] <= t) & (t <= fixes[-1]) & (away <= max(_INTERVALS * usual, _FRESH)))
+
+
+def _places(columns: dict[str, np.ndarray]) -> np.ndarray:
+    """Where plots lie, nearly, of shape (N, 2), m: to tell one place from another."""
+    if "range" in columns:
+        return np.stack(
+            [columns["range"] * np.cos(columns["bearing"]), columns["range"] * np.sin(columns["bearing"])], axis=1
+        )
+    lat, lon = columns["lat"], columns["lon"]
+    return np.asarray(_EARTH * np.stack([lat, lon * np.cos(lat)], axis=1))
+
+
+def _thinned(t: np.ndarray, label: np.ndarray, place: np.ndarray, period: float | None) -> np.ndarray:
+    """The rows that are kept: of what a target reports within half the usual time, the first; two ships of one number are two."""
+    recent: dict[str, list[int]] = {}
     kept = []
-    for row in order:
-        name = label[row]
-        if period is None or not t[row] - last.get(name, -math.inf) < 0.5 * period:
-            last[name] = t[row]
-            kept.append(int(row))
+    for row in np.argsort(t, kind="stable").tolist():
+        near = [k for k in recent.get(label[row], []) if period is not None and t[row] - t[k] < 0.5 * period]
+        if not any(math.dist(place[row], place[k]) < STRAY + FASTEST * (t[row] - t[k]) for k in near):
+            near.append(row)
+            kept.append(row)
+        recent[label[row]] = near
     return np.array(kept, int)
+
+
+def _jumps(t: np.ndarray, label: np.ndarray, place: np.ndarray) -> list[Notice]:
+    """Which ships report themselves from places that none of them sails between."""
+    order = np.lexsort((t, label))
+    away, since = np.hypot(*np.diff(place[order], axis=0).T), np.diff(t[order])
+    far = (label[order][1:] == label[order][:-1]) & (away > STRAY) & (away > FASTEST * since)
+    who, count = np.unique(label[order][1:][far], return_counts=True)
+    if not who.size:
+        return []
+    names = ", ".join(f"{who[k]} ({count[k]} times)" for k in np.argsort(-count, kind="stable")[:3])
+    more = f" and {who.size - 3} more" if who.size > 3 else ""
+    return [
+        Notice(
+            f"ships that jump, by up to {away[far].max() / 1000:.1f} km, by their MMSI: {names}{more}. Wrong positions, or several ships with "
+            "one number: tracks are made of positions, not of numbers, so that each place may be a track.",
+            "ais-jumps",
+            count=int(far.sum()),
+        )
+    ]

@@ -130,7 +130,9 @@ class TrackingScore(Result):
                 f"{s.name}: held {100 * s.held:.0f} % of {s.visible} scans, RMSE {ahead} s ahead {errors}{nees}"
             )
         never = sum(s.held is None for s in self.ships)
-        return "\n".join(lines + ([f"{never} ships of the truth were never visible to the sensor"] if never else []))
+        return "\n".join(
+            lines + ([f"{never} of {len(self.ships)} true ships never visible to the sensor"] if never else [])
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """Return the ships as a pandas table: how long each was held, errors now and ahead in m."""

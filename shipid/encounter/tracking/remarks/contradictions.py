@@ -13,10 +13,16 @@ _OFFSET = (
     "Plots do not show what they all have in common: a heading or a clock that is off, the length of the ship. State it as bias_std and "
     "bearing_bias_std of the sensor, or correct the latency."
 )
+_UNSEEN = Notice(
+    "no plot lies near a true ship: they may be by another clock, from another origin, or with north and east exchanged. The tracks are not "
+    "judged.",
+    "truth-apart",
+    serious=True,
+)
 
 
 def contradictions(score: TrackingScore) -> list[Notice]:
-    """Return a notice for each ship whose tracks are surer than they are right.
+    """Return a notice for each ship whose tracks are surer than they are right, or one where no true ship was seen.
 
     Parameters
     ----------
@@ -29,7 +35,8 @@ def contradictions(score: TrackingScore) -> list[Notice]:
         Serious ones where standard deviations are more than three times too small.
     """
     found = [s for s in score.ships if s.nees is not None and s.nees > _TOO_SMALL and s.scans >= _ENOUGH]
-    return [_told(s) for s in found]
+    unseen = [_UNSEEN] if score.ships and all(s.held is None for s in score.ships) else []
+    return [*unseen, *(_told(s) for s in found)]
 
 
 def _told(ship: ShipScore) -> Notice:

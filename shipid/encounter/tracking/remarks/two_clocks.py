@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from shipid.encounter.plots.plots import Plots
+from shipid.encounter.plots.plots import Plots, Scan
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.notices import Notice
 
@@ -39,7 +39,8 @@ def two_clocks(tracks: list[TargetTrack], plots: Plots) -> list[Notice]:
     found = [n for n in told if n is not None]
     if found:
         return found
-    late = np.concatenate([np.zeros((0, 2)), *(_lateness(one, plots) for one in moving)])
+    scans = [scan for scan in plots.scans if len(scan.z)]
+    late = np.concatenate([np.zeros((0, 2)), *(_lateness(one, scans) for one in moving)])
     if len(late) < 3 * _ENOUGH:
         return []
     along, across = late[:, 0] - np.median(late[:, 0]), late[:, 1]
@@ -87,19 +88,27 @@ def _pair(a: TargetTrack, b: TargetTrack) -> Notice | None:
     )
 
 
-def _lateness(track: TargetTrack, plots: Plots) -> np.ndarray:
+def _lateness(track: TargetTrack, scans: list[Scan]) -> np.ndarray:
     """How far the nearest plot of each scan lies before and beside where the track was going, in s at its speed."""
-    rows = []
-    scans = {scan.t: scan for scan in plots.scans if len(scan.z)}
-    for k in np.flatnonzero(track.moves[:-1] & track.held[:-1]):
-        scan = scans.get(float(track.t[k + 1]))
-        if scan is None:
-            continue
-        velocity = track.x[k, 2:]
-        square = float(velocity @ velocity)
-        off = scan.z - track.x[k, :2] - (scan.t - scan.ago - track.t[k])[:, None] * velocity
-        off = off[np.hypot(*off.T).argmin()]
-        along, across = float(off @ velocity) / square, float(off[0] * velocity[1] - off[1] * velocity[0]) / square
-        if max(abs(along), abs(across)) < _LONGEST:
-            rows.append((along, across))
-    return np.array(rows).reshape(-1, 2)
+    steps = np.flatnonzero(track.moves[:-1] & track.held[:-1])
+    times = np.array([scan.t for scan in scans])
+    # Of scans at one time, by several sensors, the last.
+    which = np.searchsorted(times, track.t[steps + 1], side="right") - 1
+    seen = (which >= 0) & (times[which] == track.t[steps + 1])
+    steps, which = steps[seen], which[seen]
+    if not steps.size:
+        return np.zeros((0, 2))
+    counts = np.array([len(scan.z) for scan in scans])
+    first = np.cumsum(counts) - counts
+    begins = np.cumsum(counts[which]) - counts[which]
+    step = np.repeat(np.arange(steps.size), counts[which])
+    plot = np.arange(step.size) - np.repeat(begins, counts[which]) + np.repeat(first[which], counts[which])
+    z, stamped = np.concatenate([s.z for s in scans]), np.concatenate([s.t - s.ago for s in scans])
+    velocity = track.x[steps, 2:]
+    off = z[plot] - track.x[steps, :2][step] - (stamped[plot] - track.t[steps][step])[:, None] * velocity[step]
+    # The nearest plot of each step comes first among those of its step.
+    off = off[np.lexsort((np.hypot(*off.T), step))[begins]]
+    square = np.einsum("ni,ni->n", velocity, velocity)
+    along = np.einsum("ni,ni->n", off, velocity) / square
+    across = (off[:, 0] * velocity[:, 1] - off[:, 1] * velocity[:, 0]) / square
+    return np.asarray(np.stack([along, across], axis=1)[np.maximum(np.abs(along), np.abs(across)) < _LONGEST])
