@@ -13,10 +13,10 @@ from shipid.campaign.campaign import Measure, Rows
 from shipid.campaign.fleet import IDENTIFIED, NOT_EXAMINED, PARTS
 from shipid.campaign.result import CampaignResult
 from shipid.campaign.table import read_runs
+from shipid.estimation.standing import DETERMINED
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.estimation.standing import DETERMINED
-from shipid.foundation.numbers import counted, uncertain_text
+from shipid.foundation.numbers import counted, number, uncertain_text
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import interval_95, plain
 
@@ -184,7 +184,7 @@ class FleetResult(DrawnResult):
         why = [f"  {t}: {m}" for t, m in zip(self.rows["trial"], self.rows["message"]) if m]
         spread = [
             f"  {n.ljust(8)} {uncertain_text(s.mean, s.mean_std)} over {counted(s.count, 'trial')}"
-            + ("" if s.scatter is None else f", scatter {s.scatter:.2g}")
+            + ("" if s.scatter is None else f", scatter {number(s.scatter, 2)}")
             for n, s in self.coefficients.items() if s.mean is not None
         ]  # fmt: skip
         return "\n".join(
