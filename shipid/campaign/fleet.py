@@ -34,7 +34,7 @@ IDENTIFIED, NOT_CONVERGED, NOT_IDENTIFIED, NOT_READ, FAULT = (
 #: What stands for the doctor where it could not read the trial.
 NOT_EXAMINED = "not examined"
 #: Columns of a coefficient beside its value.
-PARTS = ("std", "low", "high", "determined")
+PARTS = ("std", "low", "high", "standing")
 #: Files that lie beside trials and are none.
 _NO_TRIALS = {".toml", ".md", ".json", ".html", ".pdf", ".py"}
 
@@ -113,7 +113,7 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     for name, unit in names.items():
         measures[name] = Measure("value", unit, model[name].quantity.meaning)
         measures |= {f"{name}_{part}": Measure("value", unit, part) for part in PARTS[:3]}
-        measures[f"{name}_{PARTS[3]}"] = Measure("event", meaning=f"whether the trial determines {name}")
+        measures[f"{name}_{PARTS[3]}"] = Measure("text", meaning=f"what the trial says of {name}")
     digests = [hashlib.sha256((folder / f).read_bytes()).hexdigest() for f in files]
     about = [asdict(settings), files, digests, generate(model).digest, None if ship is None else parameter_table(ship)]
     identity = hashlib.sha256(json.dumps(about, default=str).encode()).hexdigest()
@@ -202,7 +202,8 @@ class FleetRun:
             "samples": np.nan,
             "chi_square": np.nan,
         }
-        row |= {column: np.nan for n in self.names for column in (n, *(f"{n}_{part}" for part in PARTS))}
+        row |= {column: np.nan for n in self.names for column in (n, *(f"{n}_{part}" for part in PARTS[:3]))}
+        row |= {f"{n}_{PARTS[3]}": "" for n in self.names}
         try:
             self._fill(row, Path(self.folder) / file)
         except Exception as error:  # one trial does not end a campaign
@@ -260,7 +261,7 @@ def _coefficients(fit: Fit, names: tuple[str, ...]) -> Rows | dict[str, Plain]:
         if found is None or not fit.converged:
             continue
         low, high = found.ci95 or (None, None)
-        row[f"{name}_determined"] = float(found.identifiable)
+        row[f"{name}_{PARTS[3]}"] = found.standing
         for column, value in (
             (name, found.value),
             (f"{name}_std", found.std),

@@ -13,9 +13,10 @@ from shipid.campaign.campaign import Measure, Rows
 from shipid.campaign.fleet import IDENTIFIED, NOT_EXAMINED, PARTS
 from shipid.campaign.result import CampaignResult
 from shipid.campaign.table import read_runs
+from shipid.estimation.standing import DETERMINED
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import counted, uncertain_text
+from shipid.foundation.numbers import counted, number, uncertain_text
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import interval_95, plain
 
@@ -154,12 +155,12 @@ class FleetResult(DrawnResult):
         }
 
     def _value(self, name: str, k: int) -> dict[str, Plain]:
-        value, std, low, high, determined = (
-            plain(float(self.rows[c][k])) for c in (name, *(f"{name}_{part}" for part in PARTS))
-        )
+        value, std, low, high = (plain(float(self.rows[c][k])) for c in (name, *(f"{name}_{p}" for p in PARTS[:3])))
+        standing = str(self.rows[f"{name}_{PARTS[3]}"][k]) or None
         ends = None if low is None and high is None else [low, high]
-        known = None if determined is None else bool(determined)
-        return {"value": value, "std": std, "unit": self.measures[name].unit, "interval_95": ends, "determined": known}
+        known = None if standing is None else standing == DETERMINED
+        number = {"value": value, "std": std, "unit": self.measures[name].unit, "interval_95": ends}
+        return {**number, "determined": known, "standing": standing}
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a trial, as a pandas table."""
@@ -183,7 +184,7 @@ class FleetResult(DrawnResult):
         why = [f"  {t}: {m}" for t, m in zip(self.rows["trial"], self.rows["message"]) if m]
         spread = [
             f"  {n.ljust(8)} {uncertain_text(s.mean, s.mean_std)} over {counted(s.count, 'trial')}"
-            + ("" if s.scatter is None else f", scatter {s.scatter:.2g}")
+            + ("" if s.scatter is None else f", scatter {number(s.scatter, 2)}")
             for n, s in self.coefficients.items() if s.mean is not None
         ]  # fmt: skip
         return "\n".join(
@@ -200,7 +201,8 @@ class FleetResult(DrawnResult):
         value, std = plain(float(self.rows[name][k])), plain(float(self.rows[f"{name}_std"][k]))
         if value is None:
             return ""
-        return uncertain_text(value, std) + ("" if self.rows[f"{name}_determined"][k] == 1 else " (not determined)")
+        standing = self.rows[f"{name}_{PARTS[3]}"][k]
+        return uncertain_text(value, std) + ("" if standing == DETERMINED else f" ({standing})")
 
 
 def fleet_result(result: CampaignResult, model: str, ship: str) -> FleetResult:
@@ -227,7 +229,7 @@ def fleet_result(result: CampaignResult, model: str, ship: str) -> FleetResult:
 
 def _scatter(name: str, measure: Measure, rows: Rows) -> Scatter:
     value, std = rows[name], rows[f"{name}_std"]
-    known = (rows[f"{name}_determined"] == 1) & np.isfinite(value) & (std > 0)
+    known = (rows[f"{name}_{PARTS[3]}"] == DETERMINED) & np.isfinite(value) & (std > 0)
     value, std = value[known], std[known]
     if not value.size:
         return Scatter(name, measure.unit, measure.meaning, 0, None, None, None, None)

@@ -110,7 +110,8 @@ def beyond(
     Returns
     -------
     list of Notice
-        One for each quantity that is beyond its range by more than a tenth; one that says which range is not known, where
+        One for each quantity that is beyond its range by more than a tenth, rudder angle and rate of turn in one; one that says
+        which range is not known, where
         the set does not state it; none for a model that takes no coefficient from the ship.
     """
     if all(ship.find(model, n) is None for n in (*model.parameters, *model.derived)):
@@ -136,13 +137,18 @@ def beyond(
         else "no band contains that error."
     )
 
-    def say(what: str, value: float, name: str, unit: str) -> None:
+    def say(*amplitudes: tuple[str, float, str, str]) -> None:
+        """One notice: its quantity is the first, and what goes beyond with it is named beside it."""
+        name, *others = (a[2] for a in amplitudes)
+        goes = " and ".join(f"{what} {shown(value, n, unit, digits=3)}" for what, value, n, unit in amplitudes)
         notices.append(
             Notice(
-                f"{what} {shown(value, name, unit, digits=3)}: the [{section}] coefficients of ship {ship.name} were found at {words[name]}. "
+                f"{goes[0].upper()}{goes[1:]}: the [{section}] coefficients of ship {ship.name} were found at "
+                f"{' and '.join(words[n] for n in (name, *others))}. "
                 f"Beyond that the model extrapolates, and {tells if name in _GROWS else 'no band contains that error.'}",
                 BEYOND,
                 quantity=name,
+                **({"also": others} if others else {}),
             )
         )
 
@@ -150,13 +156,16 @@ def beyond(
         low, high = known.speeds
         outside = [v for v in speeds if not (1 - MARGIN) * low <= v <= (1 + MARGIN) * high]
         if outside:
-            say("The speed is", max(outside, key=lambda v: max(low / max(v, 1e-9), v / max(high, 1e-9))), "u", "m/s")
+            say(("the speed is", max(outside, key=lambda v: max(low / max(v, 1e-9), v / max(high, 1e-9))), "u", "m/s"))
+    harder: list[tuple[str, float, str, str]] = []
     if known.rudder is not None and rudder is not None and rudder > (1 + MARGIN) * known.rudder:
-        say("The rudder goes to", rudder, "delta", "rad")
+        harder.append(("the rudder goes to", rudder, "delta", "rad"))
     if known.rate is not None and rate is not None and rate > (1 + MARGIN) * known.rate * _faster(known, speeds):
-        say("The ship turns at", rate, "r", "rad/s")
+        harder.append(("the ship turns at", rate, "r", "rad/s"))
+    if harder:
+        say(*harder)
     if known.drift is not None and drift is not None and drift > (1 + MARGIN) * known.drift:
-        say("The drift angle is", drift, "beta", "rad")
+        say(("the drift angle is", drift, "beta", "rad"))
     notices += [
         _other_loading(section, ship, m, value, span) for m, value, span in _loadings(model, known, loading or {})
     ]

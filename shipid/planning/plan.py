@@ -14,7 +14,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, quantity, uncertain_text
+from shipid.foundation.numbers import columns_of, number, quantity, uncertain_text
 from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.planning.leg import Leg
 from shipid.planning.selection import Criterion
@@ -190,13 +190,12 @@ class Plan(DrawnResult):
         beside = " + ".join(f"{leg.manoeuvre} {leg.duration:.0f} s" for leg in self.standard) or "no standard"
         lines.append(f"  standard deviations, planned beside {beside}:")
         for f in self.parameters.values():
-            gain = "" if f.ratio is None else f"   gain {f.ratio:.3g}"
+            gain = "" if f.ratio is None else f"   gain {number(f.ratio, 3)}"
             unit = "" if pretty(f.unit) == "1" else f" {pretty(f.unit)}"
             lines.append(f"  {f.name:<10s} {_estimate(f.value, f.std)} beside ± {_spread(f.standard_std)}{unit}{gain}")
         if self.det_gain is not None and self.det_ratio is not None:
-            lines.append(
-                f"  determinant {self.det_gain:.3g} times better for each coefficient ({self.det_ratio:.3g} in all)"
-            )
+            each, all_of_them = number(self.det_gain, 3), number(self.det_ratio, 3)
+            lines.append(f"  determinant {each} times better for each coefficient ({all_of_them} in all)")
         orders = [] if self.timetable is None else [self.timetable.text()]
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings), *orders])
 

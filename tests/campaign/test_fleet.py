@@ -19,8 +19,9 @@ def result_of_values(folder, values, std):
     count = len(values)
     texts = {"trial": np.array([f"t{k}.csv" for k in range(count)]), "outcome": np.array(["identified"] * count)}
     texts |= {"message": np.array([""] * count), "doctor": np.array([""] * count)}
+    texts |= {"K_standing": np.array(["determined"] * count)}
     numbers = {"samples": np.full(count, 100.0), "chi_square": np.ones(count), "K": np.array(values, float)}
-    numbers |= {f"K_{part}": np.full(count, std) for part in PARTS[:3]} | {"K_determined": np.ones(count)}
+    numbers |= {f"K_{part}": np.full(count, std) for part in PARTS[:3]}
     measures = {n: Measure("text") for n in texts} | {n: Measure("value", "1/s") for n in numbers}
     store = open_store(
         folder, Campaign("fleet", lambda rng: {}, measures, batch=count), 0, resume=False, overwrite=False, about={}

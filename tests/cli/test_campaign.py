@@ -148,7 +148,7 @@ def test_a_fleet_is_a_row_a_trial(call, fleet, tmp_path):
     assert kinds["trial-faults"]["trials"] == ["turned.csv"] and kinds["not-identified"]["trials"] == ["broken.csv"]
     alone = call("identify", fleet / "a.csv", "--model", "nomoto", "--ship", "zeefakkel", "--starts", 1, "--json")
     same = json.loads(alone.out)["parameters"]["K"]
-    for key in ("value", "std", "interval_95", "unit"):
+    for key in ("value", "std", "interval_95", "unit", "standing"):
         assert rows["a.csv"]["parameters"]["K"][key] == same[key], key
     assert told["coefficients"]["K"]["trials"] >= 2
     page = (tmp_path / "out" / "report.html").read_text()

@@ -34,6 +34,7 @@ def ship(**known) -> shipid.ParameterSet:
         ({"speeds": [8.5]}, ["u"]),
         ({"speeds": [9.5, 10.5], "rudder": 16.6 * DEG}, ["u", "delta"]),
         ({"rate": 1.2 * DEG}, ["r"]),
+        ({"rudder": 20 * DEG, "rate": 1.2 * DEG, "drift": 12 * DEG}, ["delta", "beta"]),
         # A ship at 11.4 m/s turns 1.2 times as fast at the same rate in ship lengths.
         ({"speeds": [11.4], "rate": 1.2 * DEG}, ["u"]),
         ({"drift": 12 * DEG}, ["beta"]),
@@ -45,6 +46,14 @@ def test_what_is_beyond_by_a_tenth_is_said(asked, quantities):
     found = beyond(MODEL, known, asked.pop("speeds", []), asked.pop("rudder", None), **asked)
     assert [n.known["quantity"] for n in found] == quantities
     assert all(n.kind == BEYOND and not n.serious and "[nomoto] coefficients of ship soesterberg" in n for n in found)
+
+
+def test_rudder_and_rate_are_one_sentence():
+    """The ship turns faster because the rudder goes farther: one notice holds both, and each with its range."""
+    (found,) = beyond(MODEL, ship(speeds=(9.5, 9.5), rudder=15 * DEG, rate=1.0 * DEG), [9.5], 20 * DEG, rate=1.2 * DEG)
+    assert found.startswith("The rudder goes to 20 deg and the ship turns at 1.2 deg/s: the [nomoto] coefficients")
+    assert "were found at rudder angles up to 15 deg and rates of turn up to 1 deg/s. Beyond" in found
+    assert found.known == {"quantity": "delta", "also": ["r"]}
 
 
 def test_a_range_that_is_not_stated_is_said_once():

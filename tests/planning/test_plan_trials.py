@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from dataclasses import replace
 
@@ -206,6 +207,8 @@ def test_a_plan(plan):
     text = plan.text()
     for word in ("norrbin", "zeefakkel", "psi, r", "determinant", plan.legs[0].manoeuvre, "b3"):
         assert word in text
+    large = dataclasses.replace(plan, det_ratio=1220.0).text()
+    assert "(1220 in all)" in large, "no power of ten as programs write it"
     assert list(plan.to_frame()["start [s]"]) == [leg.start for leg in plan.legs]
 
 

@@ -59,15 +59,15 @@ def results(fit, diverged, criteria):
 
 
 def fleet_of():
-    """Three trials: two determine K, and the check of one found something serious."""
+    """Four trials: two determine K, one says that it is small, and the check of another found something serious."""
     rows = {
-        "trial": np.array(["a.csv", "b.csv", "c.csv"]),
-        "outcome": np.array(["identified", "identified", "not identified"]),
-        "doctor": np.array(["", "rudder-sign", ""]),
-        "message": np.array(["", "", "no column is a time."]),
-        "K": np.array([0.0142, 0.0143, np.nan]),
-        "K_std": np.array([0.0001, 0.0002, np.nan]),
-        "K_determined": np.array([1, 1, 0]),
+        "trial": np.array(["a.csv", "b.csv", "c.csv", "d.csv"]),
+        "outcome": np.array(["identified", "identified", "not identified", "identified"]),
+        "doctor": np.array(["", "rudder-sign", "", ""]),
+        "message": np.array(["", "", "no column is a time.", ""]),
+        "K": np.array([0.0142, 0.0143, np.nan, 0.0001]),
+        "K_std": np.array([0.0001, 0.0002, np.nan, 0.0002]),
+        "K_standing": np.array(["determined", "determined", "", "not distinguishable from zero"]),
     }
     scatter = Scatter("K", "1/s", "yaw gain", 2, 0.01422, 0.00009, 0.00007, 0.6)
     return FleetResult("nomoto", "soesterberg", rows, {}, {"K": scatter}, {"versions": {"shipid": "1"}})
@@ -133,6 +133,8 @@ def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
     orders = pages["plan"][pages["plan"].index(">At [min:s]<") - 200 :]
     assert '<table class="stack' not in orders[:220]
     assert "The trials agree on K." in read_page(pages["fleet"]).text
+    near_zero = "(1.0 ± 2.0) × 10⁻⁴, not distinguishable from zero"
+    assert near_zero in read_page(pages["fleet"]).text, "the words of the report of an identification"
     assert pages["ranking"].count("<svg") == 2
     assert "Within its limit: " in read_page(pages["criteria"]).text
     command = "shipid plan nomoto --ship 'my ship' --time <20>"
@@ -185,7 +187,7 @@ def test_an_overshoot_has_the_digits_of_its_uncertainty(results, pages, read_pag
 def test_a_fleet_is_drawn_with_short_labels(pages, read_page):
     page = pages["fleet"]
     assert page.count("<svg") == 1 and "K [10⁻² 1/s]" in page
-    assert "Check: rudder-sign." in read_page(page).text and "2 of 3 were identified" in read_page(page).text
+    assert "Check: rudder-sign." in read_page(page).text and "3 of 4 were identified" in read_page(page).text
 
 
 def test_a_turn_has_its_rudder_below_its_heading(fit):

@@ -11,6 +11,7 @@ import pytest
 
 import shipid
 from shipid.autopilot.judgement.compare_tunings import OVER_DRAWS, compare_tunings
+from shipid.autopilot.judgement.judge import _about
 from shipid.foundation.errors import UsageError
 from shipid.report.write_report import render
 
@@ -72,7 +73,20 @@ def test_a_weak_design_is_named_in_the_summary(pages, weak, read_page):
     assert min(m.disk for m in weak.margins[0]) < 0.5
     assert "below 0.5" in lead and "Beyond that the model extrapolates" in lead and "Disk margin: the least" in lead
     assert "is not known" in lead
-    assert pages["weak"].count('class="box warning"') >= 3
+    # A box says "Warning" where the command ends with exit code 5, and nowhere else.
+    serious = [w for w in weak.to_dict()["warnings"] if w["serious"]]
+    assert pages["weak"].count('class="box warning"') == len(serious)
+    assert pages["weak"].count('class="box caution"') == len(weak.warnings) - len(serious) >= 3
+
+
+def test_draws_that_are_unstable_are_serious(judged):
+    """A design that does not hold for ships that the trials allow: told in red, and the command ends with exit code 5."""
+    robust = dataclasses.replace(judged.robust[0], unstable=3)
+    words = _about(judged.pilot, robust, 0, judged.limits)[0]
+    page = render(dataclasses.replace(judged, warnings=(words,)))
+    assert words.serious and page.count('class="box warning"') == 1 and "3 of 20 draws" in words
+    none = dataclasses.replace(robust, samples=0, unstable=1)
+    assert any("is unstable at" in w and "draws" not in w for w in _about(judged.pilot, none, 0, judged.limits))
 
 
 def test_tables_hold_the_numbers(pages, judged, read_page):

@@ -38,7 +38,8 @@ class CourseMeasures(Component):
     least_swing = constant("rad", "least swing of the rudder that counts as a reversal", default="0.5 deg")
     clock = state("s", "time since the order")
     overshoot = state("rad", "largest heading beyond the one ordered", start=-10.0)
-    settled = state("s", "time of the last sample outside the band")
+    error_before = state("rad", "heading error one sample earlier")
+    settled = state("s", "time at which the heading was last outside the band")
     sum_error = state("rad*s", "sum of the heading error")
     sum_error_square = state("rad^2*s", "sum of the heading error squared")
     sum_rudder_square = state("rad^2*s", "sum of the rudder angle squared")
@@ -86,8 +87,19 @@ class CourseMeasures(Component):
 
     @settled.next
     def outside(self) -> Expression:
-        """The time of this sample while it is outside the band."""
-        return np.where(np.abs(self.error()) > self.settling_band, self.clock, self.settled)
+        """The time of this sample while it is outside the band; once inside, the time of crossing, straight between two samples.
+
+        A time read to a whole sample would depend on the interval, which is another one in another batch of runs.
+        """
+        before, now = np.abs(self.error_before), np.abs(self.error())
+        back = (self.settling_band - now) / np.maximum(before - now, 1e-9 * self.settling_band)
+        crossed = np.where(before > self.settling_band, self.clock - back * self.T_s, self.settled)
+        return np.where(now > self.settling_band, self.clock, crossed)
+
+    @error_before.next
+    def remember_error(self) -> Expression:
+        """One sample."""
+        return self.error() + 0.0 * self.error_before
 
     @sum_error.next
     def mean_error(self) -> Expression:

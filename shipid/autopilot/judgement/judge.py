@@ -201,10 +201,13 @@ def _about(pilot: Autopilot, robust: Robustness, condition: int, limits: Mapping
     if not robust.samples:
         found.append(f"no uncertainty: {robust.source}, so the robustness of the design is not known.")
     if robust.unstable:
-        found.append(
+        words = (
             f"unstable draws: with {robust.unstable} of {robust.samples} draws of ship {ship} the loop is unstable. The trials do "
             "not determine this ship well enough for this design."
+            if robust.samples
+            else f"unstable: the loop of ship {ship} is unstable at {robust.speed_worst:.3g} m/s."
         )
+        found.append(Notice(words, "unstable", serious=True))
     if robust.disk_worst < limits["disk margin"]:
         over = "over the uncertainty of the ship" if robust.samples else "of the design"
         found.append(

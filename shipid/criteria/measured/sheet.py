@@ -163,7 +163,8 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
         listed = ", ".join("not known" if v is None else fixed(v, 2) for v in values[:4])
         yield f"overshoots {listed or 'none'} deg; period {told('period')}"
     elif "loop_width" in shown:
-        yield f"loop width {told('loop_width')}, loop height {told('loop_height')}"
+        why = measures.reasons.get("loop_width")
+        yield f"loop width {told('loop_width')}, loop height {told('loop_height')}" + (f": {why}" if why else "")
     elif "residual_rate" in shown:
         yield f"residual rate of turn {told('residual_rate')}"
 

@@ -180,12 +180,15 @@ def _beyond_the_others(fit: Fit, trials: Sequence[Trial], kept_apart: Sequence[T
         range_seen = replace(joint, rudder=seen.get("rudder"), rate=seen.get("rate"), drift=seen.get("drift"))
         ship = replace(fit.ship, joint={**fit.ship.joint, model.name: range_seen})
         for notice in beyond_of_record(model, ship, one):
-            if notice.kind != BEYOND or (size := _SIZES.get(notice.known["quantity"])) is None:
+            if notice.kind != BEYOND or notice.known["quantity"] not in _SIZES:
                 continue
-            key, words, unit = size
-            angles = [shown(sizes[key], notice.known["quantity"], unit, digits=3) for sizes in (reached, seen)]
             which = "the trials that were fitted" if one in kept_apart else "the other trials"
-            sentence = f"{words} {angles[0]}, and at most {angles[1]} in {which}: its prediction is an extrapolation."
+            said = []
+            for quantity in (notice.known["quantity"], *notice.known.get("also", ())):
+                key, words, unit = _SIZES[quantity]
+                here, there = (shown(sizes[key], quantity, unit, digits=3) for sizes in (reached, seen))
+                said.append(f"{words} {here}, and at most {there} in {which}")
+            sentence = f"{'; '.join(said)}: its prediction is an extrapolation."
             told.append(Notice(sentence, BEYOND, **notice.known).about(one.name))
     return told
 

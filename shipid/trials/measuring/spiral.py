@@ -68,8 +68,10 @@ class MeasuredSpiral(Measures):
         lines.append(f"  {'stage':<9s}{'end s':>10s}{'rudder deg':>14s}{'rate deg/s':>14s}")
         for k, row in enumerate(zip(self.ends or (), self.rudders or (), self.rates or ()), start=1):
             end, rudder, rate = (float("nan") if v is None else v for v in row)
+            # Zero has no sign.
+            rudder = round(np.degrees(rudder), 2) + 0.0
             shown = "not known" if row[2] is None else f"{np.degrees(rate):.4f}"
-            lines.append(f"  {k:<9d}{end:>10.1f}{np.degrees(rudder):>14.2f}{shown:>14s}")
+            lines.append(f"  {k:<9d}{end:>10.1f}{rudder:>14.2f}{shown:>14s}")
         return lines
 
 
@@ -151,12 +153,16 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
     why = "the stages do not go from one side to the other and back"
     if method == "direct" and (inside := [k for k in unsettled if _matters(k, rudders, rates)]):
         width = height = slope = None
-        why = f"the rate of turn had not settled in stage {', '.join(str(k + 1) for k in inside)}"
+        why = (
+            f"the rate of turn had not settled in stage {', '.join(str(k + 1) for k in inside)}; hold the rudder longer there"
+        )
+        known = np.setdiff1d(np.arange(len(rates)), unsettled)
+        notes += _bracket(rudders[known], rates[known])
     for name, value in (("loop_width", width), ("loop_height", height)):
         if value is None:
             reasons[name] = why
     if width and height and method == "direct" and height > _LOOP * largest:
-        notes.append(_bracket(rudders, rates))
+        notes += _bracket(rudders, rates)
     return MeasuredSpiral(
         trial=trial.name,
         execute="order",
@@ -282,17 +288,19 @@ def _direct_loop(rudders: np.ndarray, rates: np.ndarray) -> tuple[float | None, 
     return width, height, slope
 
 
-def _bracket(rudders: np.ndarray, rates: np.ndarray) -> str:
-    """Say between which stages the rate of turn changes sides, and what that leaves of the width."""
+def _bracket(rudders: np.ndarray, rates: np.ndarray) -> list[str]:
+    """Say between which stages the rate of turn changes sides, and what that leaves of the width; nothing where it does not."""
     one, two = (
-        next(((r[k], r[k + 1]) for k in range(len(r) - 1) if y[k] < 0 <= y[k + 1]), (float("nan"),) * 2)
+        next(((r[k], r[k + 1]) for k in range(len(r) - 1) if y[k] < 0 <= y[k + 1]), None)
         for r, y in _branches(rudders, rates, rudders)
     )
+    if one is None or two is None:
+        return []
     least, most = max(two[0] - one[1], 0.0), two[1] - one[0]
-    return (
+    return [
         f"the rate of turn changes sides between the stages at {angle(one[1], 3)} and {angle(one[0], 3)} on the way down, at "
         f"{angle(two[0], 3)} and {angle(two[1], 3)} on the way up: the loop is {angle(least, 3)} to {angle(most, 3)} wide"
-    )
+    ]
 
 
 def _matters(k: int, rudders: np.ndarray, rates: np.ndarray) -> bool:

@@ -35,6 +35,13 @@ def test_a_course_change_equals_python_controls(container):
     assert found.settling[0] == pytest.approx(outside, abs=0.5)
 
 
+def test_settling_is_the_same_in_another_batch(container):
+    """Runs of another speed beside it give another interval: the time at which the heading settles does not depend on it."""
+    alone = run_course_changes(container, [9.5], [np.deg2rad(60)])
+    beside = run_course_changes(container, [4.75, 9.5, 11.4], np.deg2rad([60, 60, 60]))
+    assert alone.settling[0] == pytest.approx(beside.settling[1], abs=5e-3)
+
+
 def test_measures_against_the_history(container):
     """The meter inside the model against numpy over the samples of the same run."""
     change = np.deg2rad(45)

@@ -116,7 +116,9 @@ def test_measures_of_a_history():
                "current_north": 0.0 * t, "current_east": 0.0 * t}  # fmt: skip
     found = measure_history(history, 8.0, 0.5)
     assert found.overshoot[0] == pytest.approx(psi.max() - 0.5, rel=1e-12)
-    assert found.settling[0] == pytest.approx(t[np.abs(psi - 0.5) > 0.01][-1], abs=1e-6)
+    last = np.flatnonzero(np.abs(psi - 0.5) > 0.01)[-1]
+    crossed = np.interp(-0.01, -np.abs(psi[last : last + 2] - 0.5), t[last : last + 2])
+    assert found.settling[0] == pytest.approx(crossed, abs=1e-6)
     assert found.rms_error[0] == pytest.approx(np.sqrt(np.mean((psi - 0.5) ** 2)), rel=1e-12)
     assert found.mean_error[0] == pytest.approx(np.mean(psi - 0.5), rel=1e-12)
     assert found.rms_rudder[0] == pytest.approx(np.sqrt(np.mean(delta**2)), rel=1e-12)

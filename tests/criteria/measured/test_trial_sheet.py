@@ -242,3 +242,9 @@ def test_a_quantity_or_a_reason_of_several_manoeuvres_is_told_once(day):
     assert "10/10 first overshoot of manoeuvres 1 and 2" in words
     circle = render(trial_sheet(day[2], length=LENGTH))
     assert circle.count("The drift of the circle is not beyond its uncertainty") <= 1
+
+
+def test_a_loop_that_is_not_known_says_why():
+    """Held for 12 L/U a stage, a tanker that is hardly unstable has not settled near the middle."""
+    text = trial_sheet([shipid.simulate("norrbin", "kvlcc2", "spiral:20", interval="5 s")], length=320.0).text()
+    assert "loop width not known, loop height not known: the rate of turn had not settled in stage" in text

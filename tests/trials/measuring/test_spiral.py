@@ -1,4 +1,5 @@
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -96,7 +97,16 @@ def test_stages_that_have_not_settled_give_no_loop():
     assert found.loop_height is None and "had not settled in stage" in found.reasons["loop_height"]
     assert any("had not settled" in note for note in found.notes)
     json.dumps(found.to_dict(), allow_nan=False)
-    assert "not known" in found.text()
+    assert "not known" in found.text() and "; hold the rudder longer there" in found.reasons["loop_width"]
+    # The stages that have settled still hold the loop between two angles.
+    assert sum("the loop is 0 deg to" in note for note in found.notes) == 1
+
+
+def test_no_zero_has_a_sign():
+    trial = direct()
+    frame = trial.to_frame()
+    frame["delta [deg]"] -= 0.001
+    assert re.findall(r"-0\.0+\b(?![1-9])", measure(Trial.from_frame(frame)).text()) == []
 
 
 def test_a_gap_in_a_stage():

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import shipid
+from shipid.campaign.fleet import PARTS
 from shipid.campaign.fleet_result import FleetResult
 from shipid.declaration.units import pretty
+from shipid.estimation.standing import DETERMINED, NEAR_ZERO, UNKNOWN
 from shipid.foundation.numbers import number, uncertain
 from shipid.foundation.statistics import plain
 from shipid.report.page import Page, Row, Section
@@ -53,12 +55,14 @@ def _answer(found: FleetResult) -> Iterator[str]:
     ship = f" with ship {found.ship}" if found.ship else ""
     yield f"{'Each was' if good == total else f'{good} of {total} were'} identified{ship}."
     several = {n: s for n, s in found.coefficients.items() if s.probability is not None}
-    for what, names in (
-        ("The trials agree on", [n for n, s in several.items() if not s.differs]),
-        ("No trial determines", [n for n, s in found.coefficients.items() if not s.count]),
-    ):
+    agreed = [n for n, s in several.items() if not s.differs]
+    if agreed:
+        yield f"The trials agree on {listed(agreed)}."
+    told = {n: set(found.rows[f"{n}_{PARTS[3]}"]) - {""} for n, s in found.coefficients.items() if not s.count}
+    small = [n for n, standings in told.items() if standings == {NEAR_ZERO}]
+    for what, names in ((UNKNOWN, [n for n in told if n not in small]), (NEAR_ZERO, small)):
         if names:
-            yield f"{what} {listed(names)}."
+            yield f"{what.capitalize()} by any of these trials: {listed(names)}."
 
 
 def _row(found: FleetResult, k: int) -> Row:
@@ -71,7 +75,8 @@ def _row(found: FleetResult, k: int) -> Row:
     for name in found.coefficients:
         value, std = (plain(float(rows[c][k])) for c in (name, f"{name}_std"))
         text = "–" if value is None else uncertain(value, std)
-        row[name] = text if value is None or rows[f"{name}_determined"][k] == 1 else f"{text}, not determined"
+        standing = rows[f"{name}_{PARTS[3]}"][k]
+        row[name] = text if value is None or standing == DETERMINED else f"{text}, {standing}"
     return row
 
 

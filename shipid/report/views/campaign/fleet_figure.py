@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
+from shipid.campaign.fleet import PARTS
 from shipid.campaign.fleet_result import FleetResult
 from shipid.declaration.units import pretty
+from shipid.estimation.standing import DETERMINED
 from shipid.foundation.statistics import interval_95
 from shipid.report.figures.svg import BLUE, MUTED, ORANGE, WIDTH, legend, panel_title, power_of, svg
 
@@ -31,7 +33,7 @@ def fleet_figure(found: FleetResult, key: str) -> Markup | None:
         Put before every id.
     """
     rows = found.rows
-    known = {n: np.flatnonzero(np.asarray(rows[f"{n}_determined"]) == 1)[:_TRIALS] for n in found.coefficients}
+    known = {n: np.flatnonzero(np.asarray(rows[f"{n}_{PARTS[3]}"]) == DETERMINED)[:_TRIALS] for n in found.coefficients}
     drawn = [n for n, at in known.items() if at.size > 1][:_PANELS]
     if not drawn:
         return None

@@ -6,10 +6,11 @@ from markupsafe import Markup
 
 import shipid
 from shipid.autopilot.judgement.compare_tunings import OVER_DRAWS, TuningComparison
+from shipid.foundation.notices import notice_of
 from shipid.foundation.numbers import number
 from shipid.report.figures.tuning import comparison_figures
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.tuning.page import answer, is_grave
+from shipid.report.views.tuning.page import answer
 from shipid.report.views.words import sentence
 
 
@@ -21,14 +22,13 @@ def comparison_page(found: TuningComparison) -> Page:
     found : TuningComparison
         The comparison.
     """
-    warnings = [w if w.startswith(found.names) else sentence(w) for w in found.warnings]
-    grave = [w for w in warnings if is_grave(w.removeprefix(f"{found.names[0]}: ").removeprefix(f"{found.names[1]}: "))]
+    told = [(notice_of(w).serious, w if w.startswith(found.names) else sentence(w)) for w in found.warnings]
     return Page(
         f"Two tunings: {found.names[0]} and {found.names[1]}",
         [(name, answer(judged)) for name, judged in zip(found.names, found.judged)],
         [_rows(found), Section("Figures", "tuning/figures.html", comparison_figures(found))],
-        warnings=grave,
-        cautions=[w for w in warnings if w not in grave],
+        warnings=[w for serious, w in told if serious],
+        cautions=[w for serious, w in told if not serious],
         footer=f"shipid {shipid.__version__}",
     )
 

@@ -13,6 +13,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement
 from shipid.declaration.units import pretty
+from shipid.foundation.notices import notice_of
 from shipid.foundation.numbers import fixed, given, number
 from shipid.report.figures.tuning import design_figures, tuning_figures
 from shipid.report.page import Page, Section
@@ -27,9 +28,6 @@ from shipid.report.views.tuning.judgement import (
 )
 from shipid.report.views.words import sentence
 
-#: Warnings that begin so stand in red: they say that the design may not hold.
-_GRAVE = ("unstable draws", "disk margin", "The schedule runs from", "lost", "rudder rate", "negative rate gain",
-          "on board")  # fmt: skip
 _ADVICE = {
     "disk margin": "A lower natural frequency or more trials of this ship raise it.",
     "gain margin": "A lower natural frequency raises it.",
@@ -87,25 +85,14 @@ def design_page(pilot: Autopilot) -> Page:
     return _page(pilot, [_what(pilot), NOT_JUDGED], pilot.warnings, sections)
 
 
-def is_grave(warning: str) -> bool:
-    """Return whether a warning of a judgement may make its numbers wrong.
-
-    Parameters
-    ----------
-    warning : str
-        Its words.
-    """
-    return warning.startswith(_GRAVE)
-
-
 def _page(pilot: Autopilot, words: Sequence[str], warnings: Sequence[str], sections: Sequence[Section]) -> Page:
-    grave = [w for w in warnings if is_grave(w)]
+    told = [notice_of(w) for w in warnings]
     return Page(
         f"Autopilot of {pilot.ship.name}, tuned with model {pilot.model.name}",
         [("", words)],
         sections,
-        [sentence(w) for w in grave],
-        [sentence(w) for w in warnings if w not in grave],
+        [sentence(w) for w in told if w.serious],
+        [sentence(w) for w in told if not w.serious],
         f"shipid {shipid.__version__}",
     )
 

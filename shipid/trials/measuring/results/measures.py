@@ -89,7 +89,7 @@ class Measures(Result):
     approach_speed: float | None = quantity("m/s", "speed at the first execute")
     first_execute: float | None = quantity("s", "time of the first execute")
     execute_within: float | None = quantity(
-        "s", "the executes lie within this time on either side of what is stated, largest"
+        "s", "each execute is within this time of the one stated, before or after it"
     )
     course: float | None = quantity("rad", "initial course")
     reasons: Mapping[str, str] = field(default_factory=dict, hash=False)

@@ -71,9 +71,8 @@ class Steering:
         if self.logged and self.on_change:
             return "the order, as logged, written when it changes"
         if self.logged:
-            where = (
-                "the middle of the interval of its step" if self.rate is None else "within it by the ramp of the rudder"
-            )
+            ramp = "between two samples, the ramp of the rudder"
+            where = "the middle of the interval of its step" if self.rate is None else ramp
             return f"the order, as logged every {self.channel.interval:.3g} s ({where})"
         why = self.doubt or "the order is not logged"
         if self.rate is None:
