@@ -23,6 +23,7 @@ from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import (
     ASTERN,
     MOSTLY_DISTURBED,
+    MOTION_UNEXPLAINED,
     NOT_DETERMINED,
     astern_notices,
     unexplained_notices,
@@ -377,7 +378,11 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING, APART, ASTERN)),
+                *(
+                    f"  warning   {w}"
+                    for w in self.warnings
+                    if w.kind in (NOT_DETERMINED, MOTION_UNEXPLAINED, LASTING, APART, ASTERN)
+                ),
                 *coefficient_lines(self.parameters),
                 *(f"  note      {w}" for w in self.warnings if w.kind in (MOSTLY_DISTURBED, ONE_SIDED)),
                 *dead_time_lines(self.model),

@@ -154,7 +154,7 @@ def in_wind(model: Model) -> Model:
     model : Model
         The model.
     """
-    if "wind_speed" in model or "r_disturbance" not in model.inputs or "L" not in model:
+    if "wind_speed" in model or "r_disturbance" not in model.inputs:
         return model
     name = model.name + IN_WIND
     forces = [known_component(_PUSHES)] if set(_PUSHED) <= set(model.inputs) else []

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import percent
 from shipid.identification.validation.comparison import Comparison
@@ -17,8 +18,11 @@ NOTHING_EXPLAINED = 0.8
 #: Why no coefficient of a fit is determined.
 UNEXPLAINED = "the model explains nothing of how the ship moved in these trials."
 COURSE_KEPT = "the course is kept in these trials: nothing but disturbances moves the rudder, and no method tells what it does from what they do."
+#: A motion that changes by so many times the noise of its mean over L/U is one that a model has to explain.
+_MOVES = 5.0
 #: Kinds of the notices.
 NOT_DETERMINED, MOSTLY_DISTURBED, ASTERN = "not-determined", "mostly-disturbances", "goes-astern"
+MOTION_UNEXPLAINED = "motion-unexplained"
 #: Motions that are looked at. A heading without a pattern is explained by a rudder bias, which makes a straight line of it.
 _MOTIONS = ("r", "u", "v")
 
@@ -88,9 +92,58 @@ def unexplained_notices(fitted: Sequence[Comparison], unit_time: float, withheld
         return [Notice(words, NOT_DETERMINED, serious=True)]
     least = least_unexplained(fitted, unit_time)
     if least is None or not nothing_explained(least):
-        return []
+        return unexplained_motions(fitted, unit_time)
     what = "the model explains nothing of how the ship turned in these trials"
     return [not_determined(what, least) if withheld else mostly_disturbed(least)]
+
+
+def unexplained_motions(fitted: Sequence[Comparison], unit_time: float) -> list[Notice]:
+    """Return what has to be said of each motion that a model misses by as much as the motion changes, where it explains another.
+
+    Noise is no motion: the means over L/U count, and only where they change by more than noise from sample to sample does.
+
+    Parameters
+    ----------
+    fitted : sequence of Comparison
+        The fitted trials.
+    unit_time : float
+        L/U in s.
+    """
+    found = []
+    for name in _MOTIONS:
+        share = _share_of_all([c for c in fitted if name in c.rmse], name, unit_time)
+        if share is not None and nothing_explained(share):
+            found.append(
+                Notice(
+                    f"The model explains nothing of the {FIELDS[name].label.lower()} (its error is {percent(share)} of how that changes in "
+                    "the fitted trials): something acts on the ship that the model does not know, such as wind, current or an order to "
+                    "the engine. No coefficient is to be used as it is: take a model that knows it and a log that holds it, a window "
+                    "without it, or leave the signal out (--signals).",
+                    MOTION_UNEXPLAINED,
+                    serious=True,
+                )
+            )
+    return found
+
+
+def _share_of_all(comparisons: Sequence[Comparison], name: str, unit_time: float) -> float | None:
+    """Error over size of a motion in all trials together, means over L/U; None where it hardly changes beside its noise."""
+    error = size = noise = count = 0.0
+    for c in comparisons:
+        there, t = np.isfinite(c.trial[name]), c.trial["t"]
+        measured, predicted = c.trial[name][there], c.predicted[name][there]
+        means = [_turned(t[there], series, "r", unit_time) / unit_time for series in (measured, predicted)]
+        if means[0].size < 2:
+            continue
+        with np.errstate(over="ignore", invalid="ignore"):
+            error += float(np.sum((means[1] - means[0]) ** 2))
+        size += float(np.sum((means[0] - means[0].mean()) ** 2))
+        averaged = max(1.0, unit_time / float(np.median(np.diff(t[there]))))
+        noise += means[0].size * float(np.var(np.diff(measured))) / 2 / averaged
+        count += means[0].size
+    if not count or size <= _MOVES**2 * noise:
+        return None
+    return float(np.sqrt(error / size)) if np.isfinite(error) else float("inf")
 
 
 def mostly_disturbed(least: float) -> Notice:
