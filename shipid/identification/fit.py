@@ -20,15 +20,9 @@ from shipid.foundation.statistics import plain
 from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
-from shipid.identification.evidence.explained import (
-    ASTERN,
-    MOSTLY_DISTURBED,
-    MOTION_UNEXPLAINED,
-    NOT_DETERMINED,
-    astern_notices,
-    unexplained_notices,
-)
+from shipid.identification.evidence.explained import MOSTLY_DISTURBED, astern_notices, unexplained_notices
 from shipid.identification.fit_text import (
+    FIRST,
     band_lines,
     bias_lines,
     coefficient_lines,
@@ -41,7 +35,7 @@ from shipid.identification.fit_text import (
 )
 from shipid.identification.identified import Identified
 from shipid.identification.problem.prior_shares import prior_shares
-from shipid.identification.search.noise_levels import APART, LASTING, NoiseLevels
+from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.uncertainty.amplitudes import ONE_SIDED, beyond_of_record, one_sided_notices
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
@@ -378,11 +372,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(
-                    f"  warning   {w}"
-                    for w in self.warnings
-                    if w.kind in (NOT_DETERMINED, MOTION_UNEXPLAINED, LASTING, APART, ASTERN)
-                ),
+                *(f"  warning   {w}" for w in self.warnings if w.kind in FIRST),
                 *coefficient_lines(self.parameters),
                 *(f"  note      {w}" for w in self.warnings if w.kind in (MOSTLY_DISTURBED, ONE_SIDED)),
                 *dead_time_lines(self.model),

@@ -9,6 +9,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
+from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
 from shipid.parameters.catalogue import ADDED
 from shipid.parameters.correlation import Joint
@@ -140,6 +141,7 @@ def beyond(
     def say(*amplitudes: tuple[str, float, str, str]) -> None:
         """One notice: its quantity is the first, and what goes beyond with it is named beside it."""
         name, *others = (a[2] for a in amplitudes)
+        also: dict[str, Plain] = {"also": others} if others else {}
         goes = " and ".join(f"{what} {shown(value, n, unit, digits=3)}" for what, value, n, unit in amplitudes)
         notices.append(
             Notice(
@@ -148,7 +150,7 @@ def beyond(
                 f"Beyond that the model extrapolates, and {tells if name in _GROWS else 'no band contains that error.'}",
                 BEYOND,
                 quantity=name,
-                **({"also": others} if others else {}),
+                **also,
             )
         )
 
