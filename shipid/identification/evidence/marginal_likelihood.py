@@ -102,6 +102,8 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
         return _on_every_sample(weighing.again(found, box), problem, box, weighing), None
     at = weighing.again(_at(found, float(_SPREADS[_WIDE]), box), box)
     for _ in range(_TURNS):
+        if not at.finite:
+            return at, None
         tried = _tried(at, box)
         share = _probabilities(tried, box)
         middle = float(np.exp(share @ np.log(_SPREADS)))
@@ -112,6 +114,8 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
         at = weighing.again(at, box)
         if np.abs(np.log(at.problem.sigma / before)).max() < _SETTLED:
             break
+    if not at.finite:
+        return at, None
     evaluations = at.evaluations + sum(s.evaluations for s in tried)
     end = _on_every_sample(replace(at, evaluations=evaluations), problem, box, weighing)
     if not end.finite:

@@ -41,6 +41,9 @@ from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.uncertainty.covariance import covariance_of
 
 _ROUGH = 1e-4
+_BETTER = 0.999
+"""A start is better than an earlier one where its cost is smaller by this factor: searches that rough end by chance at either of two
+equal ones, and the first start is what is known of the ship."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ def _by_the_ladder(problem: Problem, box: Box, how: SearchSettings) -> tuple[Sol
     if first is not None:
         other = minimise(thin, first, box, most=30, tolerance=_ROUGH)
         how.tell(f"start by {rungs[-1].method}: cost {other.cost:.4g}")
-        better = other.cost < 0.999 * best.cost
+        better = other.cost < _BETTER * best.cost
         evaluations = best.evaluations + other.evaluations
         best = replace(other if better else best, evaluations=evaluations)
         came = "best from there" if better else "no better from there than from other starts"
@@ -189,7 +192,10 @@ def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchS
     for i, start in enumerate(starts):
         tried.append(minimise(thin, thin.first_guess(start), box, most=30, tolerance=_ROUGH))
         how.tell(f"start {i + 1} of {len(starts)}: cost {tried[-1].cost:.4g}")
-    best = min(tried, key=lambda s: s.cost)
+    best = tried[0]
+    for other in tried[1:]:
+        if other.cost < _BETTER * best.cost:
+            best = other
     return replace(best, evaluations=sum(s.evaluations for s in tried))
 
 

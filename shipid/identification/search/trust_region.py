@@ -10,6 +10,8 @@ from scipy.optimize import least_squares
 
 #: Part of the size of a column by which directions without information are held: far below the data's, far above rounding.
 _HOLD = 1e-7
+#: Part of its box by which an unknown begins inside its bounds.
+_MARGIN = 1e-6
 #: Why the search ended, by the status of `scipy.optimize.least_squares`, in words for the reader of a report.
 _ENDED = {
     0: "the search was stopped after its largest number of runs.",
@@ -93,7 +95,8 @@ def search(
         return last[key]
 
     z_low, z_high = to_z(low), to_z(high)
-    margin = 1e-6 * (1 + np.where(np.isfinite(z_high - z_low), z_high - z_low, 0))
+    # A share of the box: what is a little off the bound of one unknown is the whole size of another.
+    margin = np.where(np.isfinite(z_high - z_low), _MARGIN * (z_high - z_low), 0.0)
     found = least_squares(
         lambda z: at(z)[0],
         np.clip(to_z(q0), z_low + margin, z_high - margin),

@@ -182,6 +182,10 @@ def test_a_search_that_ran_away_is_not_gone_on_with(problem, monkeypatch):
     weighing = Weighing(np.array([0.02]), True, 20.0, lambda _: None, 5)
     away = replace(found, residual=np.full_like(found.residual, 1e7))
     assert conclude(away, problem, BOX, weighing)[1] is None
+    # One that runs away under weights of its own has none to take the mean of.
+    with monkeypatch.context() as patch:
+        patch.setattr(Weighing, "again", lambda *_: away)
+        assert conclude(found, problem, BOX, weighing) == (away, None)
     # One that runs away only on every sample has no spread either.
     module = "shipid.identification.evidence.marginal_likelihood._on_every_sample"
     monkeypatch.setattr(module, lambda *_: away)

@@ -56,7 +56,7 @@ def test_what_nothing_states_is_left_out(log):
 def test_coefficients_known_only_together_do_not_depend_on_the_seed(sail):
     """Sway and yaw derivatives from heading and rate alone: only combinations show."""
     trial = sail("davidson-schiff", "mariner", noise=SENSORS)
-    fits = [shipid.identify("davidson-schiff", [trial], ship="mariner", signals=["psi", "r"], seed=s) for s in (0, 1)]
+    fits = [shipid.identify("davidson-schiff", [trial], ship="mariner", signals=["psi", "r"], seed=s) for s in (0, 3)]
     one, other = ([e.value for e in fit.parameters.values()] for fit in fits)
     assert one == pytest.approx(other, rel=1e-4)
     assert fits[0].identified.solution.cost == pytest.approx(fits[1].identified.solution.cost, rel=1e-6)
