@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -12,9 +13,11 @@ import numpy as np
 
 from shipid.campaign.campaign import Campaign, Measure, Rows, run_number
 from shipid.campaign.errors import CampaignRequestError
+from shipid.campaign.store import HEAD
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError
+from shipid.foundation.notices import Notice
 from shipid.generation.system import generate
 from shipid.identification.fit import Fit
 from shipid.identification.identify import identify
@@ -37,6 +40,8 @@ NOT_EXAMINED = "not examined"
 PARTS = ("std", "low", "high", "standing")
 #: Files that lie beside trials and are none.
 _NO_TRIALS = {".toml", ".md", ".json", ".html", ".pdf", ".py"}
+#: What commands leave in a folder of theirs; names that are listed at most.
+_LEFT, _LISTED = (HEAD, "result.json"), 10
 
 
 @dataclass(frozen=True)
@@ -79,8 +84,8 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     Parameters
     ----------
     folder : str or Path
-        Its files are the trials, in the order of their names; hidden files, folders, and files of kinds that are no logs (TOML,
-        JSON, HTML, Markdown, PDF, Python) are left out.
+        Its files are the trials, in the order of their names; hidden files, folders, copies, and files of kinds that are no logs
+        (TOML, JSON, HTML, Markdown, PDF, Python) are left out; `not_read` says which.
     settings : FleetSettings
         What is asked of each.
 
@@ -98,7 +103,8 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     folder = Path(folder)
     files = trial_files(folder)
     if not files:
-        raise CampaignRequestError(f"there are no trials in '{folder}'. Give the folder that holds their files.")
+        why = "".join(f" {note[:1].upper()}{note[1:]}" for note in not_read(folder))
+        raise CampaignRequestError(f"there are no trials in '{folder}'. Give the folder that holds their files.{why}")
     model = find_model(settings.model)
     ship = _ship(settings, model)
     names = coefficients_of(model, settings.estimate)
@@ -113,8 +119,8 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     for name, unit in names.items():
         measures[name] = Measure("value", unit, model[name].quantity.meaning)
         measures |= {f"{name}_{part}": Measure("value", unit, part) for part in PARTS[:3]}
-        measures[f"{name}_{PARTS[3]}"] = Measure("text", meaning=f"what the trial says of {name}")
-    digests = [hashlib.sha256((folder / f).read_bytes()).hexdigest() for f in files]
+measures[f"{name}_{PARTS[3]}"] = Measure("text", meaning=f"what the trial says of {name}")
+    digests = [_digest(folder / f) for f in files]
     about = [asdict(settings), files, digests, generate(model).digest, None if ship is None else parameter_table(ship)]
     identity = hashlib.sha256(json.dumps(about, default=str).encode()).hexdigest()
     run = FleetRun(str(folder.absolute()), tuple(files), settings, tuple(names))
@@ -127,17 +133,73 @@ def _ship(settings: FleetSettings, model: Model) -> ParameterSet | None:
 
 
 def trial_files(folder: Path) -> list[str]:
-    """Return the names of the files in a folder that are to be read as trials, in order.
+    """Return the names of the files in a folder that are to be read as trials, in order: of files with one content, the first.
 
     Parameters
     ----------
     folder : Path
         The folder.
     """
-    return sorted(
-        p.name for p in folder.iterdir()
+    return [name for name, same in _logs(folder).items() if same is None]
+
+
+def not_read(folder: Path) -> list[Notice]:
+    """Return what lies in a folder beside its trials and might be taken for some: folders, links to nothing, copies.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+    """
+    inside = [p for p in folder.iterdir() if not p.name.startswith(".")]
+    # What a command has written here, as by --out, is no folder of trials.
+    below = sorted(
+        p.name for p in inside if p.is_dir() and not any((p / left).exists() for left in _LEFT) and any(p.iterdir())
+    )
+    dead = sorted(p.name for p in inside if p.is_symlink() and not p.exists())
+    copies = [f"{name} of {same}" for name, same in _logs(folder).items() if same is not None]
+    told = (
+        ("folders-not-read", below, "folders in it are not read, give them each by itself"),
+        ("links-to-nothing", dead, "links that lead to no file are left out"),
+        ("trial-twice", copies, "copies of a trial are left out, which would count twice"),
+    )
+    return [Notice(f"{words}: {listed(names)}.", kind, names=names) for kind, names, words in told if names]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names in a row, the first ten of many.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of files.
+    """
+    return ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
+
+
+def _logs(folder: Path) -> dict[str, str | None]:
+    """Files that may be trials, in the order of their names, and the one before with the same content; None where there is none."""
+    files = sorted(
+        p for p in folder.iterdir()
         if p.is_file() and not p.name.startswith(".") and p.suffix.lower() not in _NO_TRIALS
     )  # fmt: skip
+    sizes = Counter(p.stat().st_size for p in files)
+    first: dict[str, str] = {}
+    same: dict[str, str | None] = {}
+    for p in files:
+        # Files without a byte are told one by one.
+        content = _digest(p) if sizes[p.stat().st_size] > 1 and p.stat().st_size else p.name
+        same[p.name] = first.get(content)
+        first.setdefault(content, p.name)
+    return same
+
+
+def _digest(file: Path) -> str:
+    """What stands for the content of a file; that of one which may not be read, its name: its row says why."""
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError:
+        return file.name
 
 
 def coefficients_of(model: Model, estimate: tuple[str, ...] | None) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from shipid.campaign.campaign import Measure, Rows
-from shipid.campaign.fleet import IDENTIFIED, NOT_EXAMINED, PARTS
+from shipid.campaign.fleet import IDENTIFIED, NOT_EXAMINED, PARTS, listed
 from shipid.campaign.result import CampaignResult
 from shipid.campaign.table import read_runs
 from shipid.estimation.standing import DETERMINED
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 #: Below this probability the coefficients of the trials differ by more than their standard deviations.
 _UNLIKELY = 0.01
-#: Names of trials that a warning lists.
-_LISTED = 10
 
 
 @dataclass(frozen=True)
@@ -90,6 +88,8 @@ class FleetResult(DrawnResult):
         Each coefficient over the trials.
     provenance : mapping
         Versions, and the identity of model, ship, settings and files.
+    beside : tuple of Notice
+        What lies in the folder and was not read.
     """
 
     model: str
@@ -98,6 +98,7 @@ class FleetResult(DrawnResult):
     measures: Mapping[str, Measure]
     coefficients: Mapping[str, Scatter]
     provenance: Mapping[str, Plain]
+    beside: tuple[Notice, ...] = ()
 
     @property
     def identified(self) -> np.ndarray:
@@ -113,12 +114,12 @@ class FleetResult(DrawnResult):
             found.append(Notice("no trial was identified.", "nothing-identified", serious=True))
         if (~good).any():
             words = f"{(~good).sum()} of {good.size} trials {'was' if (~good).sum() == 1 else 'were'} not identified"
-            found.append(Notice(f"{words}: {_names(trials[~good])}.", "not-identified", trials=trials[~good].tolist()))
+            found.append(
+                Notice(f"{words}: {listed(trials[~good].tolist())}.", "not-identified", trials=trials[~good].tolist())
+            )
         spoilt = good & (self.rows["doctor"] != "") & (self.rows["doctor"] != NOT_EXAMINED)
         if spoilt.any():
-            words = (
-                f"the doctor finds serious faults in {_names(trials[spoilt])}; see their rows before using the numbers"
-            )
+            words = f"the doctor finds serious faults in {listed(trials[spoilt].tolist())}; see their rows before using the numbers"
             found.append(Notice(f"{words}.", "trial-faults", serious=True, trials=trials[spoilt].tolist()))
         differing = [n for n, s in self.coefficients.items() if s.differs]
         if differing:
@@ -128,7 +129,7 @@ class FleetResult(DrawnResult):
             found.append(
                 Notice(f"{words}: the trials do not share one value, or the intervals are too narrow.", "scatter")
             )
-        return tuple(found)
+        return (*found, *self.beside)
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values for JSON: SI, no NaN."""
@@ -205,7 +206,7 @@ class FleetResult(DrawnResult):
         return uncertain_text(value, std) + ("" if standing == DETERMINED else f" ({standing})")
 
 
-def fleet_result(result: CampaignResult, model: str, ship: str) -> FleetResult:
+def fleet_result(result: CampaignResult, model: str, ship: str, beside: Sequence[Notice] = ()) -> FleetResult:
     """Return the rows of a fleet's campaign, with the scatter of the coefficients.
 
     Parameters
@@ -214,6 +215,8 @@ def fleet_result(result: CampaignResult, model: str, ship: str) -> FleetResult:
         The campaign; its folder holds the rows.
     model, ship : str
         Names.
+    beside : sequence of Notice
+        What was not read (`shipid.campaign.fleet.not_read`).
 
     Returns
     -------
@@ -224,7 +227,7 @@ def fleet_result(result: CampaignResult, model: str, ship: str) -> FleetResult:
     measures = {n: s.measure for n, s in result.statistics.items()}
     names = [n.removesuffix(f"_{PARTS[3]}") for n in measures if n.endswith(f"_{PARTS[3]}")]
     scatter = {n: _scatter(n, measures[n], rows) for n in names}
-    return FleetResult(model, ship, rows, measures, scatter, result.provenance)
+    return FleetResult(model, ship, rows, measures, scatter, result.provenance, tuple(beside))
 
 
 def _scatter(name: str, measure: Measure, rows: Rows) -> Scatter:
@@ -248,8 +251,3 @@ def _scatter(name: str, measure: Measure, rows: Rows) -> Scatter:
         float(value.std(ddof=1)),
         chance,
     )
-
-
-def _names(trials: np.ndarray) -> str:
-    shown = ", ".join(trials[:_LISTED].tolist())
-    return shown + (f" and {trials.size - _LISTED} more" if trials.size > _LISTED else "")

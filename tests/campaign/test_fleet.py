@@ -7,7 +7,7 @@ import pytest
 
 from shipid.campaign.campaign import Campaign, Measure, generator_of
 from shipid.campaign.errors import CampaignRequestError
-from shipid.campaign.fleet import PARTS, FleetRun, FleetSettings, trial_files
+from shipid.campaign.fleet import PARTS, FleetRun, FleetSettings, fleet_campaign, not_read, trial_files
 from shipid.campaign.fleet_result import fleet_result
 from shipid.campaign.moments import Statistic
 from shipid.campaign.result import CampaignResult
@@ -50,9 +50,36 @@ def test_trials_that_differ_are_told(tmp_path):
 
 def test_which_files_are_trials(tmp_path):
     for name in ("b.csv", "a.dat", "ship.toml", "readme.md", ".hidden.csv", "page.html"):
-        (tmp_path / name).write_text("x")
+        (tmp_path / name).write_text(name)
     (tmp_path / "folder.csv").mkdir()
-    assert trial_files(tmp_path) == ["a.dat", "b.csv"]
+    assert trial_files(tmp_path) == ["a.dat", "b.csv"] and not_read(tmp_path) == []
+
+
+def test_what_lies_beside_trials_is_told(tmp_path):
+    (tmp_path / "a.csv").write_text("x")
+    (tmp_path / "copy.csv").write_text("x")
+    for name, file in (("day 2", "b.csv"), ("out", "result.json")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / file).write_text("x")
+    (tmp_path / "dead.csv").symlink_to(tmp_path / "gone.csv")
+    assert trial_files(tmp_path) == ["a.csv"]
+    told = {n.kind: n for n in not_read(tmp_path)}
+    assert told["folders-not-read"].endswith("by itself: day 2.") and told["trial-twice"].endswith("copy.csv of a.csv.")
+    assert told["links-to-nothing"].endswith("left out: dead.csv.")
+    with pytest.raises(CampaignRequestError, match=r"no trials in .* Folders in it are not read"):
+        (tmp_path / "a.csv").unlink()
+        (tmp_path / "copy.csv").unlink()
+        fleet_campaign(tmp_path, FleetSettings("nomoto"))
+
+
+def test_a_file_that_may_not_be_read_is_a_row(tmp_path, monkeypatch):
+    (tmp_path / "a.csv").write_text("x")
+
+    def refuse(file):
+        raise PermissionError(13, "Permission denied", str(file))
+
+    monkeypatch.setattr("pathlib.Path.read_bytes", refuse)
+    assert fleet_campaign(tmp_path, FleetSettings("nomoto")).most == 1
 
 
 def test_a_worker_that_does_not_see_the_folder_says_so():

@@ -48,8 +48,8 @@ def fleet(tmp_path, zigzag):
     folder.mkdir()
     text = zigzag.read_text()
     (folder / "a.csv").write_text(text)
-    (folder / "b.csv").write_text(text)
     lines = text.splitlines()
+    (folder / "b.csv").write_text("\n".join(lines[:-1]) + "\n")  # one content would count once
     at = lines[1].split(",").index(next(h for h in lines[1].split(",") if h.startswith("delta ") or h == "delta [rad]"))
     turned = [line.split(",") for line in lines[2:]]
     for row in turned:

@@ -41,10 +41,7 @@ def test_the_structure_that_made_the_data_wins(ranking):
 
 def test_a_trial_beyond_the_others_is_named_and_not_a_ship_file(ranking):
     told = [str(n) for n in ranking.beyond]
-    assert any(
-        n.startswith("t2: the rudder goes to 30 deg")
-        for n in told
-    )
+    assert any(n.startswith("t2: the rudder goes to 30 deg") for n in told)
     assert len(told) == len(set(told)) and not any("coefficients of ship" in n for n in told)
     # The trials were simulated by a model without a sway: of a drift angle they say nothing.
     assert not any("drift" in n for n in told)

@@ -77,7 +77,7 @@ def campaign(
     shipid campaign trials/ --model nomoto --ship zeefakkel --out fleet
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.campaign.find_campaign import find_campaign, whole
-    from shipid.campaign.fleet import FleetSettings, fleet_campaign
+    from shipid.campaign.fleet import FleetSettings, fleet_campaign, not_read
     from shipid.campaign.fleet_result import fleet_result
     from shipid.campaign.run_campaign import run_campaign
     from shipid.campaign.table import write_table
@@ -135,7 +135,7 @@ def campaign(
         except (KeyboardInterrupt, Terminated):
             _tell_kept(delivery, count)
             raise
-        shown = fleet_result(result, model or "", ship or "") if folder else result
+        shown = fleet_result(result, model or "", ship or "", not_read(Path(study))) if folder else result
         writers: dict[str, Writer] = {
             _TABLE: lambda path: write_table(place, count, path, "csv"),
             REPORT: delivery.report(shown),
