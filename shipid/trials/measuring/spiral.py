@@ -153,9 +153,7 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
     why = "the stages do not go from one side to the other and back"
     if method == "direct" and (inside := [k for k in unsettled if _matters(k, rudders, rates)]):
         width = height = slope = None
-        why = (
-            f"the rate of turn had not settled in stage {', '.join(str(k + 1) for k in inside)}; hold the rudder longer there"
-        )
+        why = f"the rate of turn had not settled in stage {', '.join(str(k + 1) for k in inside)}; hold the rudder longer there"
         known = np.setdiff1d(np.arange(len(rates)), unsettled)
         notes += _bracket(rudders[known], rates[known])
     for name, value in (("loop_width", width), ("loop_height", height)):
