@@ -10,7 +10,7 @@ COMMANDS = {
     "simulate": ("shipid.cli.ships.simulate:simulate", "Simulate a manoeuvre and write it as a trial."),
     "format": ("shipid.cli.trials.format:format_log", "Draft a format file for a log, with a reason for each column."),
     "check": ("shipid.cli.trials.check:check", "Find what is wrong with a trial, and repair it."),
-    "measure": ("shipid.cli.trials.measure:measure", "Measure a zig-zag or a turning circle."),
+    "measure": ("shipid.cli.trials.measure:measure", "Measure a zig-zag, a turning circle, a spiral or a pull-out."),
     "report": ("shipid.cli.trials.report:report", "Report a trial day: every manoeuvre measured, beside IMO's limits."),
     "compare": (
         "shipid.cli.identification.compare:compare",

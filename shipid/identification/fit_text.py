@@ -10,7 +10,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, shown, shown_estimate, to_display
 from shipid.estimation.estimate import Estimate
-from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.numbers import number, uncertain_text
 from shipid.foundation.statistics import WHITE
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import ASTERN, MOTION_UNEXPLAINED, NOT_DETERMINED
@@ -153,7 +153,7 @@ def ladder_lines(ladder: Sequence[Rung]) -> list[str]:
     """
     lines = []
     for rung in ladder if len(ladder) > 1 else ():
-        cost = "runs away" if rung.cost is None else f"cost {rung.cost:.4g}"
+        cost = "runs away" if rung.cost is None else f"cost {number(rung.cost, 4)}"
         state = f"{'' if rung.converged else ', not converged'}{', used' if rung.used else ''}"
         lines.append(f"  tried     {rung.method} ({cost}{state}): {rung.reason}")
     return lines

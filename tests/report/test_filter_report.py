@@ -71,6 +71,13 @@ def test_parameters_and_levels_are_shown(run):
         assert word in page
 
 
+def test_a_parameter_that_is_not_determined_says_why(run, monkeypatch):
+    """The words that the terminal prints beside it."""
+    weak = dataclasses.replace(run.parameters["K"], standing="not determined", why="it is known from before.")
+    monkeypatch.setattr(type(run), "parameters", property(lambda _: {"K": weak}))
+    assert '<span class="no">Not determined:</span> it is known from before.' in render(run)
+
+
 def test_innovations_between_the_extremes_are_drawn():
     """Twenty thousand normal ones: as many of the points drawn lie within one standard deviation as of a normal distribution."""
     values = np.random.default_rng(4).standard_normal(20_000)

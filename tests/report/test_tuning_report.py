@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from pathlib import Path
 
 import casadi
 import numpy as np
@@ -14,6 +15,9 @@ from shipid.autopilot.judgement.compare_tunings import OVER_DRAWS, compare_tunin
 from shipid.autopilot.judgement.judge import _about
 from shipid.foundation.errors import UsageError
 from shipid.report.write_report import render
+
+
+SITE = Path(__file__).resolve().parents[2] / ".docs" / "reports"
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +50,12 @@ def test_pages_are_whole_and_need_nothing(pages, which, read_page):
     bare = re.sub(r"<style>.*?</style>", "", text, flags=re.DOTALL)
     assert re.findall(r"(?i)(?<![a-z])(?:nan|inf|infinity)(?![a-z])", bare) == []
     assert re.findall(r"\bNone\b", bare) == [] and "compliant" not in bare
+
+
+def test_the_site_explains_the_sections_that_there_are(pages):
+    explained = set(re.findall(r"\*\*(.+?)\*\*", (SITE / "tuning.md").read_text(encoding="utf-8")))
+    there = {t for page in pages.values() for t in re.findall(r"<h2[^>]*>([^<]+)</h2>", page)}
+    assert explained == there
 
 
 def test_a_page_works_nothing_out(pages, judged, monkeypatch):

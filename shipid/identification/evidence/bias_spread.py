@@ -70,7 +70,7 @@ class BiasSpread:
             return None
         each = ", ".join(f"{np.rad2deg(b):+.2f} deg ({n})" for n, (b, _) in self.alone.items())
         return Notice(
-            f"with a rudder bias of its own each trial asks for {each}: rudders are so far apart with a probability of "
+            f"With a rudder bias of its own each trial asks for {each}: rudders are so far apart with a probability of "
             f"{self.p_value:.2g}, and the model leaves more of the trials than noise. This is an error of the structure of the "
             "model, or of wind and current that it does not know, and not of the rudder angle; another model may describe the "
             "trials better (compare).",

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib import metadata
 
+from markupsafe import Markup
+
 import shipid
 from shipid.declaration.units import pretty
+from shipid.estimation.estimate import Estimate
+from shipid.report.typography.prose import prose
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six")
 
@@ -57,6 +61,19 @@ def with_unit(text: str, unit: str) -> str:
         As declared.
     """
     return text if pretty(unit) == "1" else f"{text} {pretty(unit)}"
+
+
+def standing_remark(estimate: Estimate) -> Markup | str:
+    """Return why the data do not determine a coefficient, for the line below its row; empty where they do.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        The coefficient.
+    """
+    if not estimate.why:
+        return ""
+    return Markup('<span class="no">{}:</span> {} ').format(estimate.standing.capitalize(), prose(estimate.why))
 
 
 def versions_now() -> str:

@@ -246,5 +246,5 @@ def test_a_quantity_or_a_reason_of_several_manoeuvres_is_told_once(day):
 
 def test_a_loop_that_is_not_known_says_why():
     """Held for 12 L/U a stage, a tanker that is hardly unstable has not settled near the middle."""
-    text = trial_sheet([shipid.simulate("norrbin", "kvlcc2", "spiral:20", interval="5 s")], length=320.0).text()
+    text = trial_sheet([shipid.simulate("norrbin", "kvlcc2", "spiral:20", sampling="5 s")], length=320.0).text()
     assert "loop width not known, loop height not known: the rate of turn had not settled in stage" in text

@@ -248,6 +248,6 @@ def test_biases_that_disagree_are_an_error_of_the_structure_where_one_is_left(p_
         return
     assert spread.notice.kind == "biases-disagree" and not spread.notice.serious
     assert str(spread.notice).startswith(
-        "with a rudder bias of its own each trial asks for -0.86 deg (port), -0.12 deg (starboard): rudders are so far apart with a "
+        "With a rudder bias of its own each trial asks for -0.86 deg (port), -0.12 deg (starboard): rudders are so far apart with a "
         "probability of 0.04, and the model leaves more of the trials than noise."
     )

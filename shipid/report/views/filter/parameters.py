@@ -14,6 +14,7 @@ from shipid.foundation.statistics import NORMAL_95
 from shipid.report.figures.trials import Curve, Panel, halves
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import named
+from shipid.report.views.words import standing_remark
 
 #: Share of a record in which a filter settles: its bounds there would flatten the rest of a figure.
 SETTLING = 0.1
@@ -75,4 +76,5 @@ def _row(p: Estimate, model: Model) -> Row:
         "interval": interval(p.ci95, p.std),
         "determined": p.identifiable,
         "meaning": p.meaning,
+        "remark": standing_remark(p),
     }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from markupsafe import Markup
 
 from shipid.declaration.units import pretty
 from shipid.estimation.estimate import Estimate
@@ -11,8 +10,8 @@ from shipid.foundation.numbers import fixed, given, interval, number, uncertain
 from shipid.identification.fit import Fit
 from shipid.parameters.parameter_set import PARTICULARS
 from shipid.report.page import Row, Section
-from shipid.report.typography.prose import prose
 from shipid.report.typography.quantities import named, symbol_markup
+from shipid.report.views.words import standing_remark
 
 
 def coefficients_section(fit: Fit) -> Section:
@@ -81,7 +80,6 @@ def _coefficient(fit: Fit, e: Estimate) -> Row:
     if e.prime is not None and np.isfinite(e.prime):
         spread = abs(e.std * e.prime / e.value) if e.std is not None and e.value else None
         other = uncertain(e.prime, spread)
-    remark = Markup('<span class="no">{}:</span> {} ').format(e.standing.capitalize(), prose(e.why)) if e.why else ""
     return {
         "named": named(fit.model, e.name),
         "meaning": e.meaning,
@@ -91,7 +89,7 @@ def _coefficient(fit: Fit, e: Estimate) -> Row:
         "other": other,
         "other_unit": pretty(e.prime_unit) if other != "none" else "",
         "determined": e.identifiable,
-        "remark": remark,
+        "remark": standing_remark(e),
     }
 
 
