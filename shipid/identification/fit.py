@@ -59,7 +59,8 @@ from shipid.trials.logs.reading import Trials, trials_of
 if TYPE_CHECKING:
     import pandas as pd
 
-    pass
+#: Kinds of the warnings that stand before the coefficients.
+_TOLD_FIRST = (NOT_DETERMINED, MOTION_UNEXPLAINED, LASTING, APART, ASTERN)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -378,11 +379,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(
-                    f"  warning   {w}"
-                    for w in self.warnings
-                    if w.kind in (NOT_DETERMINED, MOTION_UNEXPLAINED, LASTING, APART, ASTERN)
-                ),
+                *(f"  warning   {w}" for w in self.warnings if w.kind in _TOLD_FIRST),
                 *coefficient_lines(self.parameters),
                 *(f"  note      {w}" for w in self.warnings if w.kind in (MOSTLY_DISTURBED, ONE_SIDED)),
                 *dead_time_lines(self.model),
