@@ -119,7 +119,7 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     for name, unit in names.items():
         measures[name] = Measure("value", unit, model[name].quantity.meaning)
         measures |= {f"{name}_{part}": Measure("value", unit, part) for part in PARTS[:3]}
-measures[f"{name}_{PARTS[3]}"] = Measure("text", meaning=f"what the trial says of {name}")
+        measures[f"{name}_{PARTS[3]}"] = Measure("text", meaning=f"what the trial says of {name}")
     digests = [_digest(folder / f) for f in files]
     about = [asdict(settings), files, digests, generate(model).digest, None if ship is None else parameter_table(ship)]
     identity = hashlib.sha256(json.dumps(about, default=str).encode()).hexdigest()

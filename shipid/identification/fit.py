@@ -53,8 +53,6 @@ from shipid.trials.logs.reading import Trials, trials_of
 if TYPE_CHECKING:
     import pandas as pd
 
-    pass
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(DrawnResult):
