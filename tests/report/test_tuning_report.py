@@ -16,7 +16,6 @@ from shipid.autopilot.judgement.judge import _about
 from shipid.foundation.errors import UsageError
 from shipid.report.write_report import render
 
-
 SITE = Path(__file__).resolve().parents[2] / ".docs" / "reports"
 
 
