@@ -50,6 +50,8 @@ class Case:
         The ship.
     sailing : mapping of str to Any
         Weather and inputs, see `shipid.simulate`.
+    signals : tuple of str or None
+        What is fitted; all by default.
     """
 
     words: str
@@ -58,6 +60,7 @@ class Case:
     manoeuvres: tuple[str, ...] = ("zigzag:20/20", "turn:20")
     ship: str = "soesterberg"
     sailing: Mapping[str, Any] = field(default_factory=dict)
+    signals: tuple[str, ...] | None = None
 
     @property
     def model(self) -> shipid.Model:
@@ -73,6 +76,9 @@ CASES = (
     Case("even term of the rudder, eq. (2.27)", ("de-keizer-asymmetric",), {"alpha2": 0.3, "alpha0": 0.02},
          ("zigzag:20/20", "zigzag:-10/10", "turn:20", "turn:-20")),
     Case("force and moment by the wind, eq. (2.76)", (*HULL, "Wind"), {"N_w": "5e-7 rad/m^2", "F_w": "5e-7 1/m^2"}, sailing=WIND),
+    Case("the same from heading and track alone", (*HULL, "Wind"), {"N_w": "5e-7 rad/m^2", "F_w": "5e-7 1/m^2", "K": 1.6, "tau": 1.7},
+         sailing=WIND, signals=("psi", "x", "y")),
+    Case("no wind, heading and track alone", ("de-keizer",), {"K": 1.6, "tau": 1.7}, signals=("psi", "x", "y")),
     Case("leeway, eq. (2.83)", ("DeKeizer", "VanLeeuwenSwayInWind", "PlanarMotion", "Leeway"), {"k_w": 0.01}, sailing=WIND),
     Case("force to the side by the wind, eq. (2.76)", ("CrossFlow", "PlanarMotion", "Wind", "LateralWind"),
          {"Y_w": "4e-4 1/m^2", "N_w": "1e-4 rad/m^2", "F_w": "3e-4 1/m^2"}, ship="kvlcc2-7m", sailing=TANK),
@@ -99,7 +105,7 @@ def identified(case: Case, run: int) -> shipid.Fit:
         )
         for k, manoeuvre in enumerate(case.manoeuvres)
     ]
-    return shipid.identify(model, trials, ship=case.ship)
+    return shipid.identify(model, trials, ship=case.ship, signals=case.signals)
 
 
 def row(case: Case, name: str, truth: float, fits: list[shipid.Fit]) -> Row:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid import models
 from shipid.declaration.scale import Scale
 from shipid.declaration.vocabulary import FIELDS
 from shipid.identification.problem.box import box_of
@@ -104,6 +105,21 @@ def test_a_current_is_found_from_the_track(sail):
     assert np.hypot(found["current_north"], found["current_east"]) == pytest.approx(1.543, abs=0.03)
     assert np.rad2deg(np.arctan2(found["current_east"], found["current_north"])) == pytest.approx(30, abs=1.0)
     assert abs(fit.parameters["gamma"].value - 0.573) < 4 * fit.parameters["gamma"].std
+
+
+@pytest.mark.parametrize("wind", [None, "5 m/s from 60 deg"])
+def test_the_cruising_speed_is_unknown_without_a_log_too(wind):
+    """From positions it is known to a part of a percent only, and a wind slows the ship before the manoeuvre."""
+    parts = (models.DeKeizer, models.VanLeeuwenSway, models.PlanarMotion, models.Wind)
+    model = shipid.join("in wind", *parts) if wind else shipid.find_model("de-keizer")
+    trials = [
+        shipid.simulate(model, "soesterberg", manoeuvre, noise="standard", wind=wind, seed=k, name=manoeuvre)
+        for k, manoeuvre in enumerate(("zigzag:20/20", "turn:20"))
+    ]
+    fit = shipid.identify(model, trials, ship="soesterberg", signals=["psi", "x", "y"], starts=1)
+    for name, truth in (("K", 1.6), ("tau", 1.7), ("K_u", 0.35)):
+        assert abs(fit.parameters[name].value - truth) < 3 * fit.parameters[name].std
+    assert fit.parameters["K"].std < 0.01
 
 
 def test_two_trials_are_surer_than_one(sail):

@@ -14,6 +14,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
+from shipid.identification.problem.signals import slowed_by_wind
 from shipid.identification.problem.trial_data import TrialData
 from shipid.parts.sensors import shown_by
 
@@ -25,6 +26,8 @@ MEAN_RUDDER_BIAS = np.deg2rad(3.0)
 INITIAL_ANGLE = np.deg2rad(0.3)
 INITIAL_SPEED = 0.01
 CRUISE = 0.005
+#: The same of the cruising speed in shares of the speed before the manoeuvre, where wind from ahead or aft acts on that.
+CRUISE_IN_WIND = 0.1
 #: The same of a heading in rad, and of speeds in shares, by an instrument with an offset, a lag or a scale of its own.
 MISREAD = 0.3
 #: Error that a good low-order model still has: angles in rad, speeds in shares of the ship's.
@@ -107,10 +110,11 @@ def prior_of(
     # A state that is not measured starts near zero, within its nominal size; a position without one stays free.
     nominal = {s: n for s in initial if s not in spread and (n := model[s].number("nominal")) is not None}
     scale = Scale(speed * unit_time, speed)
+    usual = CRUISE_IN_WIND if slowed_by_wind(model) else CRUISE
     return Prior(
         biases={"delta": RUDDER_BIAS} if "delta" in biases else {},
         mean_biases={"delta": MEAN_RUDDER_BIAS} if "delta" in biases else {},
-        own={"cruise": misread.get("u", CRUISE * speed)} if "cruise" in biases else {},
+        own={"cruise": misread.get("u", usual * speed)} if "cruise" in biases else {},
         initial={s: spread[s] for s in initial if s in spread} | nominal,
         parameters={n: prior for n in estimated if (prior := _declared(model, n, scale)) is not None},
         strength=strength_of(data, unit_time),

@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.errors import UnknownNameError
+from shipid.generation.system import generate
 from shipid.identification.errors import NoAnswerError, NothingToFitError
 from shipid.trials.trial import Trial
 
@@ -144,7 +145,8 @@ def check_answer(trial: Trial, signals: Sequence[str]) -> None:
 def unknown_biases(model: Model, signals: Sequence[str], rudder_bias: bool = True) -> tuple[str, ...]:
     """Return the inputs whose constant bias is unknown in each trial.
 
-    The rudder; the speed before the manoeuvre, where a fitted speed shows it; the current, where a fitted track shows it.
+    The rudder; the cruising speed, where a fitted speed or track shows it, or where wind acts on the speed: the ship then does not
+    approach at the speed that her propeller would give her; the current, where a fitted track shows it.
 
     Parameters
     ----------
@@ -156,6 +158,18 @@ def unknown_biases(model: Model, signals: Sequence[str], rudder_bias: bool = Tru
         Whether the rudder has one.
     """
     wanted = ["delta"] if rudder_bias else []
-    wanted += ["cruise"] if "u" in signals else []
-    wanted += ["current_north", "current_east"] if set(TRACK) & set(signals) else []
+    track = bool(set(TRACK) & set(signals))
+    wanted += ["cruise"] if "u" in signals or track or slowed_by_wind(model) else []
+    wanted += ["current_north", "current_east"] if track else []
     return tuple(n for n in wanted if n in model.inputs)
+
+
+def slowed_by_wind(model: Model) -> bool:
+    """Return whether the true wind acts on the speed of the ship, so that she approaches at another one than the cruising speed.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    return "u" in model.states and "wind_speed" in generate(model).inputs_behind(("u",))
