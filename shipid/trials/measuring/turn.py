@@ -140,7 +140,11 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     late, beside = turn_setting_out(steering, side, when), {}
     moves = when if late is None else late.times[0]
     clock, apart = turn_by_clock(steering, psi, side, moves), ""
-    if track is not None:
+    misplaced = faults.misplaced() if track is not None and track[2] == "positions" else None
+    if misplaced is not None:
+        reasons |= dict.fromkeys(_DISTANCES, str(misplaced))
+        clock = None
+    elif track is not None:
         way = TurnTrack(track[0], track[1], course, side, when, calm, faults)
         found |= way.distances(quarters, reasons)
         if late is not None:
