@@ -19,6 +19,8 @@ _SHOW_NOTHING = ("frozen", "clipped", "outlier", "heading-glitch", "position-jum
 _STEP = "heading-step"
 #: Kinds that spoil no identification, and are said beside the distances of a turn all the same.
 _BESIDE = ("track-inconsistent",)
+#: Kinds that make of positions no track along and across a course.
+_ELSEWHERE = ("track-direction", "unit")
 #: Kinds that are told at the numbers they touch.
 _TOLD = ("gap", "hole", "missing", "sentinel", "short")
 #: Kinds that mislead an identification and no number measured here: the execute is the order, and the uncertainty stated holds the
@@ -92,6 +94,11 @@ class Faults:
             The times [s].
         """
         return self._spans("position-jump", start, end)
+
+    def misplaced(self) -> Notice | None:
+        """Return that the positions are not where heading and speed take the ship, or in another unit; None where they are."""
+        said = (n for n in self.notes(("x", "y")) if n.serious and n.kind in _ELSEWHERE)
+        return next(said, None)
 
     def _spans(self, kind: str, start: float, end: float) -> list[tuple[float, float]]:
         return [
@@ -175,7 +182,9 @@ def faults_of(trial: Trial, diagnosis: Diagnosis | None) -> Faults:
         mask = np.zeros(len(t), dtype=bool)
         for start, end in spans:
             mask |= (t >= start - 1e-9) & (t <= end + 1e-9)
-        if found.count < 3 or found.count < _TOGETHER * mask.sum() or mask.sum() > 0.5 * len(t):
+        # Beside a rate of turn the doctor sees glitches of a heading too small to be found again.
+        seen = found.kind == "heading-glitch" and found.count == mask.sum()
+        if (found.count < 3 and not seen) or found.count < _TOGETHER * mask.sum() or mask.sum() > 0.5 * len(t):
             # Single wild samples are found again, one by one.
             continue
         for name in found.channels:

@@ -10,8 +10,8 @@ import numpy as np
 
 from shipid.declaration import units
 from shipid.foundation.errors import UnknownNameError
-from shipid.trials.doctor.findings import Diagnosis
-from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
+from shipid.trials.doctor.findings import CERTAIN, Diagnosis
+from shipid.trials.errors import ClockError, NotAManoeuvreError, UnknownColumnError
 from shipid.trials.logs.reading import trials_of
 from shipid.trials.measuring.faults import Faults, faults_of
 from shipid.trials.measuring.instead import instead_of_manoeuvre, propeller_words
@@ -82,6 +82,8 @@ def measure(
         If the record is none of them; the message says what it is instead.
     SeveralManoeuvresError
         If it holds several and none is chosen; the message lists them.
+    ClockError
+        If the doctor is certain that the clock is in another unit.
     UnknownNameError
         If there is no such kind.
     UnknownColumnError
@@ -97,6 +99,7 @@ def measure(
         raise UnknownColumnError(f"trial '{trial.name}' has no heading 'psi', and a manoeuvre is measured by it.")
     steering_of(trial, execute)
     faults = faults_of(trial, diagnosis)
+    _check_clock(trial, faults)
     if manoeuvre is None and kind in (None, "spiral") and is_spiral(trial, faults):
         return measure_spiral(trial, execute, metres, faults)
     part = trial
@@ -137,6 +140,16 @@ def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:
     faults = faults_of(trial, diagnosis)
     _check_heading(trial, faults)
     return "spiral" if is_spiral(trial, faults) else _detected(trial, faults)
+
+
+def _check_clock(trial: Trial, faults: Faults) -> None:
+    """Refuse a trial whose clock is in another unit than it says: every time and rate would be, and windows would miss it."""
+    found = next((f for f in faults.diagnosis.serious if f.kind == "unit" and f.channel == "t"), None)
+    if found is not None and found.confidence >= CERTAIN and not found.handled:
+        raise ClockError(
+            f"trial '{trial.name}': {found.message}. Write the unit of the clock in the header, as in 't [ms]' or 't [min]', or in a "
+            "format file; 'shipid check --fix' repairs what is certain."
+        )
 
 
 def _check_heading(trial: Trial, faults: Faults) -> None:

@@ -37,6 +37,9 @@ _NO_COURSE = 0.3
 _GATHERS = 0.05
 """A ship whose speed changes before the order so fast that it would by this share during the first 90 deg was at no steady speed."""
 
+_INEXACT = 0.015
+"""An advance that may be off by more than this share of it is said to be."""
+
 _DRIVES = 0.5
 """Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
 
@@ -140,7 +143,11 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     late, beside = turn_setting_out(steering, side, when), {}
     moves = when if late is None else late.times[0]
     clock, apart = turn_by_clock(steering, psi, side, moves), ""
-    if track is not None:
+    misplaced = faults.misplaced() if track is not None and track[2] == "positions" else None
+    if misplaced is not None:
+        reasons |= dict.fromkeys(_DISTANCES, str(misplaced))
+        clock = None
+    elif track is not None:
         way = TurnTrack(track[0], track[1], course, side, when, calm, faults)
         found |= way.distances(quarters, reasons)
         if late is not None:
@@ -181,6 +188,12 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         notes += _unsteady(moving, when, calm, (quarters[0] or off) - when, approach)
     notes += [*swerved, *over_ground, *turn_notes(late, beside, steering, approach or 0.0)]
     notes += [] if clock is None else [clock.notice(apart or "the times count from another moment, too")]
+    notes += _inexact(start[0].within, approach or 0.0, found.get("advance"))
+    if track is not None and "without drift" in track[2]:
+        notes.append(
+            "neither positions nor a drift angle are logged: advance, transfer and diameter are reckoned along the heading, as if the "
+            "ship did not drift in the turn"
+        )
     measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
     return TurningCircle(
         trial=trial.name,
@@ -253,6 +266,14 @@ def _unsteady(moving: Channel, when: float, calm: float, way: float, approach: f
         f"the speed {verb} by {abs(slope) * -t[0]:.2g} m/s in the {-t[0]:.3g} s before the order: advance, transfer and diameter are not those "
         "of a ship at a steady approach speed"
     ]
+
+
+def _inexact(within: float, approach: float, advance: float | None) -> list[str]:
+    """Say so where the moment of the order is not known well enough for the advance."""
+    off = within * approach
+    if advance is None or off < _INEXACT * advance:
+        return []
+    return [f"the order is known to {within:.2g} s only: the advance lies within {off:.3g} m of what is stated"]
 
 
 def _released(steering: Steering, plate: Plate) -> float:

@@ -20,6 +20,13 @@ _AMISS = 10.0
 """A heading that stands still near its peak hides up to so many times what the polynomial misses; scanned are stops of 6 to 12 s."""
 
 
+_SWINGS = 10.0
+"""Ten samples about an execute show a glitch where they take no longer than this many half widths: a third of a swing."""
+
+_SHARE, _FAR = 0.45, 4.0
+"""Two wild samples leave this share of their error in a cubic through ten, and no scatter reaches so many times its size."""
+
+
 def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: float | None, half: float) -> float:
     """Return the 95 % uncertainty of an overshoot [rad].
 
@@ -56,6 +63,7 @@ def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: 
             parts.append(0.1 * _curvature(psi, when) * ((hole[1] - hole[0]) / psi.interval) ** 2 / 4)
     if top is not None:
         parts.append(_amiss(logged, top, half, max(scatter, 0.3 * (logged.digit or logged.grain or 0.0)), execute.time))
+    parts.append(_astray(logged, execute.time, half, scatter))
     for when in (execute.time, top):
         # Two headings, each off by up to half a digit: 95 % of their difference lies within 0.78 of one.
         local = 0.0 if when is None else _step_at(logged, when, half)
@@ -85,6 +93,18 @@ def _amiss(psi: Channel, top: float, half: float, scatter: float, execute: float
         )
         most = max(most, missed)
     return _AMISS * float(np.sqrt(most))
+
+
+def _astray(psi: Channel, execute: float, half: float, scatter: float) -> float:
+    """What may be wrong with the heading at the execute: one of the samples it is read from is off the curve through ten."""
+    k = int(np.searchsorted(psi.t, execute))
+    near = slice(k - 5, k + 5)
+    if near.start < 0 or near.stop > len(psi.t) or psi.t[near.stop - 1] - psi.t[near.start] > _SWINGS * half:
+        return 0.0
+    at = psi.t[near] - execute
+    rest = psi.y[near] - np.polynomial.polynomial.polyval(at, np.polynomial.polynomial.polyfit(at, psi.y[near], 3))
+    most = float(np.abs(rest[3:7]).max())
+    return most / _SHARE if most > _FAR * scatter + 0.5 * (psi.digit or psi.grain or 0.0) else 0.0
 
 
 def _step_at(psi: Channel, when: float, half: float) -> float:

@@ -15,7 +15,7 @@ from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.instead import propeller_doubts, slowed_down, steered_by_hand
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.doubts import bridges, left_out, others_than, silent_in
-from shipid.trials.measuring.rudder.ends import goes_on_from, turned_back, without_keeping
+from shipid.trials.measuring.rudder.ends import begins_on_its_way, goes_on_from, turned_back, without_keeping
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.late import SettingOut, late_notes, not_told, setting_out, unseen_by, widened
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
@@ -149,6 +149,14 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     short = turned_back(steering, logged, everything, held)
     everything, held = [*(plate for plate in short if plate not in everything), *everything], [*short, *held]
     executes = [leaves(steering, plate) for plate in held[:-1]]
+    if begins_on_its_way(steering, held[0]) or executes[0].time - executes[0].within <= steering.channel.t[0]:
+        # The record begins with the rudder on its way: the order was before it.
+        held, executes = held[1:], executes[1:]
+        if not executes:
+            raise NotAManoeuvreError(
+                f"trial '{trial.name}' begins with the rudder on its way from its only plate, so the moment of the order is not in it. "
+                "Widen the window to hold a stretch before the rudder moves."
+            )
     when = [e.time for e in executes]
     end = steering.after(held[-1])
     half_period = _half_period([*when, end])

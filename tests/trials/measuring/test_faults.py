@@ -342,3 +342,39 @@ def test_a_rudder_on_another_clock_gives_both_overshoots(logged, late):
     (notice,) = [n for n in found.notes if n.serious]
     assert notice.kind == "latency" and "counted from there the overshoots are 13." in str(notice)
     assert found.nominal == "20/20"
+
+
+@pytest.mark.parametrize(("rate", "size", "count"), [(True, 3.0, 1), (True, 3.0, 2), (False, 1.0, 1)])
+def test_a_small_glitch_of_the_heading_at_an_execute_is_left_out_or_within_the_uncertainty(logged, rate, size, count):
+    trial, orders, overshoots = logged(1.0, noise=0.05)
+    frame = trial.to_frame()
+    k = int(np.searchsorted(frame["t [s]"], orders[1]))
+    if rate:
+        frame["r [deg/s]"] = np.gradient(
+            frame["psi [deg]"].rolling(3, center=True, min_periods=1).mean(), frame["t [s]"]
+        )
+    frame.loc[k : k + count - 1, "psi [deg]"] += size
+    found = measure(Trial.from_frame(frame))
+    off = abs(np.degrees(found.overshoots[0]) - overshoots[0])
+    assert off < max(np.degrees(found.overshoot_uncertainties[0]), 0.3)
+    assert not rate or off < 0.5
+
+
+def test_two_wild_samples_of_the_rudder_at_an_execute_are_left_out(logged):
+    trial, orders, overshoots = logged(1.0)
+    frame = trial.to_frame()
+    k = int(np.searchsorted(frame["t [s]"], orders[1]))
+    frame["delta [deg]"] += np.random.default_rng(2).normal(0, 0.1, len(frame))
+    frame.loc[k : k + 1, "delta [deg]"] -= 20.0
+    found = measure(Trial.from_frame(frame))
+    assert np.degrees(found.overshoots[0]) == pytest.approx(overshoots[0], abs=0.3)
+
+
+def test_a_rudder_of_some_forty_values_written_again_is_read_at_its_beat(logged):
+    trial, _, overshoots = logged(0.5)
+    frame = trial.to_frame()
+    noisy = frame["delta [deg]"] + np.random.default_rng(3).normal(0, 0.1, len(frame))
+    frame["delta [deg]"] = noisy.where(np.arange(len(frame)) % 10 == 0).ffill()
+    found = measure(Trial.from_frame(frame))
+    for one, within, true in zip(found.overshoots, found.overshoot_uncertainties, overshoots):
+        assert abs(np.degrees(one) - true) < np.degrees(within) + 0.3

@@ -273,3 +273,24 @@ def test_a_rudder_on_another_clock_than_the_heading_gives_both_advances(early):
         assert told[0].serious
         stated = float(told[0].split("counted from where it acts: advance ")[1].split(" m")[0])
         assert stated == pytest.approx(true, rel=0.015)
+
+
+@pytest.mark.parametrize("wrong", ["feet", "exchanged"])
+def test_positions_that_are_not_where_the_ship_goes_give_no_distances(wrong):
+    frame = circle(noise=0.05).to_frame()
+    frame["r [deg/s]"] = np.degrees(np.gradient(np.radians(frame["psi [deg]"]), frame["t [s]"]))
+    if wrong == "feet":
+        frame[["x [m]", "y [m]"]] /= 0.3048
+    else:
+        frame[["x [m]", "y [m]"]] = frame[["y [m]", "x [m]"]].to_numpy()
+    found = measure(Trial.from_frame(frame, name="turn"))
+    assert found.advance is None and found.tactical_diameter is None and found.drift_speed is None
+    assert ("feet" if wrong == "feet" else "exchanged") in found.reasons["advance"]
+
+
+def test_an_order_known_to_some_seconds_and_a_track_without_drift_are_told():
+    frame = circle(interval=5.0, positions=False).to_frame().drop(columns="v [m/s]")
+    frame["delta [deg]"] = frame.pop("delta_order [deg]")
+    notes = measure(Trial.from_frame(frame)).notes
+    assert any("the order is known to 2.5 s only: the advance lies within 12.5 m" in note for note in notes)
+    assert any("as if the ship did not drift in the turn" in note for note in notes)

@@ -321,3 +321,20 @@ def test_gear_so_slow_that_its_first_plates_are_tips_is_measured_from_the_first_
     assert found.nominal == "35/5" and found.first_side == "starboard"
     assert found.executes[:3] == pytest.approx(orders[1:4], abs=1.0)
     assert [np.degrees(v) for v in found.overshoots[:2]] == pytest.approx(overshoots[:2], abs=0.3)
+
+
+def test_a_record_that_begins_with_the_rudder_on_its_way_leaves_that_reversal_out(logged):
+    trial, orders, overshoots = logged(1.0)
+    found = measure(trial.window(orders[1] + 2.0, 240.0))
+    assert found.executes[0] == pytest.approx(orders[2], abs=0.5)
+    assert np.degrees(found.overshoots[0]) == pytest.approx(overshoots[1], abs=0.3)
+
+
+def test_a_clock_in_another_unit_than_it_says_is_refused(logged):
+    frame = logged(1.0)[0].to_frame()
+    frame["r [deg/s]"] = np.gradient(frame["psi [deg]"], frame["t [s]"])
+    frame["x [m]"] = np.cumsum(8.0 * np.cos(np.radians(frame["psi [deg]"])))
+    frame["y [m]"] = np.cumsum(8.0 * np.sin(np.radians(frame["psi [deg]"])))
+    frame["t [s]"] *= 1000.0
+    with pytest.raises(e.ClockError, match="Write the unit of the clock"):
+        measure(Trial.from_frame(frame, name="ms"))

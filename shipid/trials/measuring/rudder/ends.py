@@ -14,6 +14,9 @@ from shipid.trials.signals.plates import DWELL, IDLE, Plate, reached_angle
 _ALIKE = 0.3
 """Headings at which the rudder is reversed are one where they are this share of it apart."""
 
+_COMES_OFF = 0.4
+"""A rudder that moves at more than this share of the rate of its gear is on its way."""
+
 _TIP = 0.15
 """A rudder that goes over by less than this share of its plate before it is no order of the zig-zag."""
 
@@ -98,6 +101,24 @@ def _short_of_half(steering: Steering, first: Plate) -> Plate | None:
     put = y[begin : int(run[-1]) + 1]
     dwell = float(np.mean(np.abs(put - peak) <= 0.2 * peak))
     return Plate(begin, first.first, -first.side * peak, dwell, float(np.mean(np.abs(y[begin:]) < 0.15 * peak)))
+
+
+def begins_on_its_way(steering: Steering, first: Plate) -> bool:
+    """Return whether the record begins with the rudder coming off a plate, so that it was ordered off it before.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    first : Plate
+        The first plate.
+    """
+    channel = steering.channel
+    if first.first or steering.logged or steering.rate is None:
+        return False
+    last = min(max(2, int(np.ceil(1.0 / channel.interval))), len(channel.t) - 1)
+    falls = first.side * float(channel.y[0] - channel.y[last]) / float(channel.t[last] - channel.t[0])
+    return falls > _COMES_OFF * steering.rate
 
 
 def goes_on_from(steering: Steering, everything: Sequence[Plate], held: Sequence[Plate]) -> bool:

@@ -20,7 +20,7 @@ from shipid.trials.trial import Trial
 
 READINGS = ("order", "moved")
 
-_BEATS = 60
+_BEATS = 25
 """Values of a slow sensor at least: a rudder of fewer, that steps at a beat, is held at one angle after the other."""
 
 
@@ -195,6 +195,16 @@ def _without_blips(channel: Channel) -> Channel:
     # On a ramp the neighbours are apart, by less than the sample is off both.
     apart = np.abs(y[2:] - y[:-2])
     blip[1:-1] &= (apart < 0.1 * size) | (apart < np.minimum(abs(before), abs(after)))
+    # Two in a row that go over and back faster than any ramp.
+    fast = max(0.3 * size, 2 * float(np.quantile(np.abs(np.diff(y)), 0.95)), 1e-6)
+    over, back = y[1:-2] - y[:-3], y[2:-1] - y[3:]
+    pair = (
+        (over * back > 0)
+        & (np.minimum(abs(over), abs(back)) > fast)
+        & (np.abs(y[3:] - y[:-3]) < np.minimum(abs(over), abs(back)))
+    )
+    blip[1:-2] |= pair
+    blip[2:-1] |= pair
     # The last sample and the first have one neighbour: beyond any other is beyond the rudder's stops.
     limit = 1.5 * float(np.quantile(np.abs(y), 0.98)) + 1e-6
     blip[[0, -1]] = np.abs(y[[0, -1]]) > limit
