@@ -164,7 +164,9 @@ class BridgeCore:
             self._heading_known = True
             if not self._touched:
                 self.console.change({"heading": values["psi"]})
-        self.past.add(self.t, values["x"], values["y"])
+        if not self.own_ship.sensors.silent:
+            # Where she has been is not where the filter takes her to be once nothing is heard.
+            self.past.add(self.t, values["x"], values["y"])
         self.targets.take(reading.targets, values)
         self.scale.update(self.t, values)
         if self.watch is not None:
