@@ -215,7 +215,9 @@ def open_bridge(
             )
         core = _core_of(settings, parts, recorder)
         shown = f"[{host}]" if ":" in host else host
-        address = f"http://{shown}:{listener.getsockname()[1]}/" + ("" if token is None else f"?token={quote(token, safe='')}")
+        address = f"http://{shown}:{listener.getsockname()[1]}/" + (
+            "" if token is None else f"?token={quote(token, safe='')}"
+        )
         yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record, parts.notes)
     finally:
         listener.close()
