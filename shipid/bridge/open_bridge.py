@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from urllib.parse import quote
 
 from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
@@ -214,7 +215,9 @@ def open_bridge(
             )
         core = _core_of(settings, parts, recorder)
         shown = f"[{host}]" if ":" in host else host
-        address = f"http://{shown}:{listener.getsockname()[1]}/" + ("" if token is None else f"?token={token}")
+        address = f"http://{shown}:{listener.getsockname()[1]}/" + (
+            "" if token is None else f"?token={quote(token, safe='')}"
+        )
         yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record, parts.notes)
     finally:
         listener.close()

@@ -164,7 +164,7 @@ def example_unit(name: str) -> str:
     return FIELDS[name].display if name in FIELDS else "unit"
 
 
-def no_unit(name: str, where: str, field: str | None = None) -> NoUnitError:
+def no_unit(name: str, where: str, field: str | None = None, *, formats: bool = True) -> NoUnitError:
     """Return the error for a column that says no unit.
 
     Parameters
@@ -175,6 +175,8 @@ def no_unit(name: str, where: str, field: str | None = None) -> NoUnitError:
         File and line, at the beginning of the message.
     field : str, optional
         The field of the vocabulary that it is; by default the one of its name.
+    formats : bool
+        Whether a format file may describe such a file.
     """
     if (field or name) in FIELDS:
         column = FIELDS[field or name]
@@ -182,6 +184,5 @@ def no_unit(name: str, where: str, field: str | None = None) -> NoUnitError:
         remedy = f"Write {' or '.join(repr(c) for c in choices)} in the header"
     else:
         remedy = f"Write '{name} [unit]' in the header, with [1] for a pure number"
-    return NoUnitError(
-        f"{where}column '{name}' says no unit. {remedy}, or state the unit in a format file: shipid does not guess."
-    )
+    other = ", or state the unit in a format file" if formats else ""
+    return NoUnitError(f"{where}column '{name}' says no unit. {remedy}{other}: shipid does not guess.")

@@ -164,7 +164,9 @@ class BridgeCore:
             self._heading_known = True
             if not self._touched:
                 self.console.change({"heading": values["psi"]})
-        self.past.add(self.t, values["x"], values["y"])
+        if not self.own_ship.sensors.silent:
+            # Where she has been is not where the filter takes her to be once nothing is heard.
+            self.past.add(self.t, values["x"], values["y"])
         self.targets.take(reading.targets, values)
         self.scale.update(self.t, values)
         if self.watch is not None:
@@ -294,7 +296,8 @@ class BridgeCore:
         self.board.put_text("tracks", self.tracks.text(t))
         self.board.put_text("route", "null" if self.watch is None else self.watch.text(t))
         put("flow", own.flow())
-        message = own.message or self._told or None
+        # Why nothing comes is worth more than that the filter waits for it.
+        message = (self.source.state == "lost" and self._told) or own.message or self._told or None
         health = {"state": own.health, "message": message, "rejected": number(own.rejected, 3)}
         put("adaptation", {"values": [*own.adaptation(), *self.scale.to_list()], "health": health})
         put("alarms", self.alarms.to_list())

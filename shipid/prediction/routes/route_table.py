@@ -244,7 +244,8 @@ def _meant(head: str, known: Mapping[str, str]) -> str:
 def _factor(head: str, name: str, where: str) -> float:
     unit = columns.split_header(head)[1]
     if unit is None:
-        raise columns.no_unit(head, f"{where}, ", {"lat": "psi", "lon": "psi", "speed": "u"}.get(name, "x"))
+        field = {"lat": "psi", "lon": "psi", "speed": "u"}.get(name, "x")
+        raise columns.no_unit(head, f"{where}, ", field, formats=False)
     given = "nautical_mile" if _MILE.match(unit) and _UNITS[name] == "m" else columns.spelt(unit)
     try:
         return units.factor(given, _UNITS[name], f"column '{head}'")

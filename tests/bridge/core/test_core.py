@@ -37,7 +37,7 @@ class Scripted:
     def __init__(self):
         self.silent: set[str] = set()
         self.offset = 0.0
-        self.targets = ()
+        self.targets, self.told = (), ()
         self.heading = 0.0
 
     async def start(self):
@@ -48,7 +48,7 @@ class Scripted:
 
     def take(self, t):
         values = {"psi": self.heading, "r": 0.0, "u": 9.0, "x": 9.0 * t + self.offset, "y": 0.0, "delta": 0.0}
-        return SourceReading({n: v for n, v in values.items() if n not in self.silent}, self.targets)
+        return SourceReading({n: v for n, v in values.items() if n not in self.silent}, self.targets, self.told)
 
 
 @pytest.fixture
@@ -372,6 +372,17 @@ def test_other_ships_are_shown_where_they_are_and_forgotten(scripted):
     assert ship["y"] == pytest.approx(1000, abs=20) and ship["speed"] is None and ship["name"] == "ferry"
     sail(core, 70)
     assert shown(core)["targets"] == []
+
+
+def test_a_source_that_is_not_reached_says_why(scripted):
+    source, core = scripted
+    source.silent, source.state, source.told = (
+        {"psi", "r", "u", "x", "y", "delta"},
+        "lost",
+        ("refused; it is tried again.",),
+    )
+    sail(core, 3)
+    assert shown(core)["adaptation"]["health"]["message"] == "refused; it is tried again."
 
 
 def test_it_waits_for_what_the_filter_needs(scripted):

@@ -268,3 +268,21 @@ def test_the_past_of_a_day_stays_drawable(bridge, open_page):
     )  # fmt: skip
     assert sizes[0] == sizes[3] <= 6000 and sizes[0] > 2000
     assert sizes[1] >= 39990 and sizes[2] == 0
+
+
+def test_nothing_is_drawn_over_a_word(bridge, open_page):
+    page = open_page(bridge.address)
+    drawn = page.evaluate(
+        """async () => {
+        const seen = [], proto = CanvasRenderingContext2D.prototype;
+        for (const name of ["clearRect", "fill", "stroke", "fillText"]) {
+          const was = proto[name];
+          proto[name] = function (...given) { seen.push(name); return was.apply(this, given); };
+        }
+        await new Promise((resolve) => setTimeout(resolve, 700));
+        return seen;
+      }"""
+    )
+    whole = " ".join(drawn).split("clearRect")[1:-1]
+    assert whole and all("fillText" in one and "fill " in one for one in whole)
+    assert not any({"fill", "stroke"} & set(one.split("fillText", 1)[1].split()) for one in whole)

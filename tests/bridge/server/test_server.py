@@ -12,6 +12,8 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+from shipid.bridge.bridge_settings import BridgeSettings
+from shipid.bridge.open_bridge import open_bridge
 from shipid.bridge.server.clients import LONGEST_COMMAND, CommandRate, parsed_command
 from shipid.bridge.server.guard import HEADERS, is_loopback
 from shipid.bridge.server.serve import LONGEST_MESSAGE, listening
@@ -260,3 +262,8 @@ def test_a_port_in_use_is_one_clear_line():
 def test_what_is_this_machine():
     assert all(is_loopback(h) for h in ("127.0.0.1", "localhost", "::1", "[::1]", "127.8.8.8"))
     assert not any(is_loopback(h) for h in ("0.0.0.0", "192.168.0.2", "::", "evil.example", ""))
+
+
+def test_the_address_holds_the_token_as_a_link_needs_it():
+    with open_bridge(BridgeSettings(), "127.0.0.1", 0, token="a&b c") as opened:
+        assert opened.address.endswith("/?token=a%26b%20c")

@@ -495,6 +495,11 @@ def test_a_replay_is_heard_and_ends(make_core, pilot):
     sail(core, 60)
     told = shown(core)
     assert told["time"]["state"] == "ended" and [a["text"] for a in told["alarms"]] == ["the source has ended (replay)"]
+    # The filter goes on, and the track of the past does not: nobody saw the ship where it takes her to be.
+    sail(core, 30.0)
+    count = core.past.count
+    sail(core, 60.0)
+    assert core.past.count == count
     assert told["own"]["age"] > 50 and told["simulation"] is None
 
 

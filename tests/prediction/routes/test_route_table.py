@@ -80,7 +80,7 @@ def test_what_is_written_is_read_back(places, geographic, name, size):
         ("lat [deg],lon [deg],x [m],y [m]\n1,2,3,4\n", RouteFileError, "both kinds"),
         ("lat [deg],lon [deg],LAT [deg]\n1,2,3\n", RouteFileError, "are both the lat"),
         ("x [m],y [m]\n", RouteFileError, "holds no waypoints"),
-        ("x,y [m]\n1,2\n3,4\n", NoUnitError, "says no unit"),
+        ("x,y [m]\n1,2\n3,4\n", NoUnitError, r"says no unit. Write 'x \[m\]' in the header: shipid"),
         ("x [m],y [kn]\n1,2\n3,4\n", RouteFileError, "kn"),
         ("x [m],y [m]\n1,2\n3,\n", WaypointError, r"line 3: the waypoint has no y \[m\]"),
         ("x [m],y [m]\n1,2\n3,nan\n", WaypointError, "line 3"),

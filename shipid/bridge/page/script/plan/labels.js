@@ -1,4 +1,5 @@
-// Words on the plan view: each finds a free place beside its point, or is left out. What is asked first goes first.
+// Words on the plan view: each finds a free place beside its point, or is left out. What is asked first goes first, and all are painted
+// last, so that nothing that is drawn lies over a word.
 
 const SIZE = 12;
 const PLACES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1.6], [0, 1.6]];
@@ -6,6 +7,7 @@ const PLACES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1.6], [0, 1.6]];
 /** Return a sheet of labels for one drawing of the canvas. `reserved` are rectangles [x, y, width, height] that stay free. */
 export function createLabels(ctx, width, height, halo, reserved) {
   const taken = [...reserved];
+  const words = [];
   const free = ([x, y, w, h]) => x >= 2 && y >= 2 && x + w <= width - 2 && y + h <= height - 2
     && !taken.some(([a, b, c, d]) => x < a + c && a < x + w && y < b + d && b < y + h);
 
@@ -21,16 +23,7 @@ export function createLabels(ctx, width, height, halo, reserved) {
     const found = boxes.find(free) ?? (must ? boxes[0] : null);
     if (!found) return false;
     taken.push(found);
-    ctx.textBaseline = "middle";
-    ctx.textAlign = "left";
-    ctx.lineJoin = "round";
-    ctx.setLineDash([]);
-    ctx.lineWidth = 3.5;
-    ctx.strokeStyle = halo;
-    ctx.fillStyle = colour;
-    const [x, y] = [found[0] + 2, found[1] + found[3] / 2];
-    ctx.strokeText(text, x, y);
-    ctx.fillText(text, x, y);
+    words.push({ text, font: ctx.font, colour, x: found[0] + 2, y: found[1] + found[3] / 2 });
     return true;
   }
 
@@ -45,5 +38,21 @@ export function createLabels(ctx, width, height, halo, reserved) {
   /** Keep a square around a point free of words. */
   const keep = ([x, y], half) => taken.push([x - half, y - half, 2 * half, 2 * half]);
 
-  return { write, beside, keep };
+  /** Paint the words, over all that has been drawn. */
+  function paint() {
+    ctx.textBaseline = "middle";
+    ctx.textAlign = "left";
+    ctx.lineJoin = "round";
+    ctx.setLineDash([]);
+    ctx.lineWidth = 3.5;
+    ctx.strokeStyle = halo;
+    for (const { text, font, colour, x, y } of words) {
+      ctx.font = font;
+      ctx.fillStyle = colour;
+      ctx.strokeText(text, x, y);
+      ctx.fillText(text, x, y);
+    }
+  }
+
+  return { write, beside, keep, paint };
 }

@@ -121,6 +121,7 @@ export function createPlan(model, settings) {
     if (markers.vrm) drawVrm(ctx, look, centre, view.vrm, Math.hypot(size.width, size.height), colours);
     if (markers.chart) drawBuoys(ctx, look, chart, colours, labels, size);
     if (markers.rings) labelRings(centre, radius, view.range, colours, labels);
+    labels.paint();
     write(state, may, here);
   }
 
