@@ -36,7 +36,7 @@ class Surge(SpeedScaled):
     def surge(self):
         """Resistance by the square of the speed, and X_vr v r of Norrbin (1971) for a sway that follows the turn.
 
-        Below `LEAST_WAY` both are in proportion to the speed, so that a ship at rest or astern gathers way.
+        Below a twentieth of the cruising speed both are in proportion to the speed, so that a ship at rest or astern gathers way.
         """
         balance = self.X0 * (self.cruise**2 - self.u * self.way)
         return (balance - self.X_rr * (self.r * self.L) ** 2 * self.way_left) / self.L + self.u_disturbance

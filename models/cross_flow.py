@@ -139,8 +139,8 @@ class CrossFlow(SpeedScaled):
     def surge(self):
         """Thrust at constant revolutions, resistance, rudder drag, and X_vr v r of Norrbin (1971).
 
-        The thrust grows as the ship slows and the resistance falls with the square of the speed. Below `LEAST_WAY` the
-        resistances of hull and turn are in proportion to the speed, as in `bech_surge`.
+        The thrust grows as the ship slows and the resistance falls with the square of the speed. Below a twentieth of the cruising
+        speed the resistances of hull and turn are in proportion to the speed, as in `bech_surge`.
         """
         thrust = self.cruise**2 + self.k_T * self.cruise * (self.cruise - self.u)
         balance = self.X0 * (thrust - self.u * self.way)

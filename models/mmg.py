@@ -131,7 +131,7 @@ class MmgHull(Component):
 
     @V.equals
     def speed(self):
-        """Yasukawa and Yoshimura (2015), coordinate systems, with the floor `LEAST_WAY`: a hull that only turns has no r'."""
+        """Yasukawa and Yoshimura (2015), coordinate systems, but at least a twentieth of `cruise`: a hull that only turns has no r'."""
         return np.sqrt(np.maximum(self.u**2 + self.v**2, (LEAST_WAY * self.cruise) ** 2))
 
     @drift.equals

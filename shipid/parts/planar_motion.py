@@ -59,15 +59,15 @@ class SpeedScaled(Component):
 
     @way.equals
     def speed_to_scale_with(self):
-        """U in Passenier (1989), eq. (2.40) and (2.42), with the floor `LEAST_WAY`."""
+        """U in Passenier (1989), eq. (2.40) and (2.42), but at least a twentieth of the speed before the manoeuvre."""
         return np.maximum(self.u, LEAST_WAY * self.cruise)
 
     @way_kept.equals
     def speed_above_the_floor(self):
-        """The floor of `way`: on it the equations are not the published ones."""
+        """The forward speed above that floor: on it the equations are not the published ones."""
         return self.u - LEAST_WAY * self.cruise
 
     @property
     def way_left(self):
-        """1 while the ship has way; below `LEAST_WAY` the share of it that is left."""
+        """1 while the ship has way; below a twentieth of the speed before the manoeuvre, the share of it that is left."""
         return self.u / self.way

@@ -12,6 +12,7 @@ import pytest
 
 import shipid
 from shipid.estimation.records.observability import observability
+from shipid.foundation.notices import Notice
 from shipid.report.figures.trials import Curve, Panel, histories_drawing
 from shipid.report.write_report import render
 
@@ -69,6 +70,14 @@ def test_parameters_and_levels_are_shown(run):
     page = render(run)
     for word in ("rate of turn per rudder angle", "default of the toolbox", "deg/s/√s", "95 % interval", "Nomoto.yaw"):
         assert word in page
+
+
+def test_a_warning_that_ends_with_exit_code_5_stands_in_red(run):
+    """The terminal says WARNING of it, and a note of another."""
+    told = dataclasses.replace(run, warnings=(Notice("not to be used.", serious=True), Notice("to know about.")))
+    page = render(told)
+    assert page.count('class="box warning"') == 1
+    assert page.index("not to be used.") < page.index('class="box caution"') < page.index("to know about.")
 
 
 def test_a_parameter_that_is_not_determined_says_why(run, monkeypatch):

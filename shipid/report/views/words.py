@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib import metadata
 
 from markupsafe import Markup
@@ -10,6 +10,7 @@ from markupsafe import Markup
 import shipid
 from shipid.declaration.units import pretty
 from shipid.estimation.estimate import Estimate
+from shipid.foundation.notices import notice_of
 from shipid.report.typography.prose import prose
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six")
@@ -74,6 +75,20 @@ def standing_remark(estimate: Estimate) -> Markup | str:
     if not estimate.why:
         return ""
     return Markup('<span class="no">{}:</span> {} ').format(estimate.standing.capitalize(), prose(estimate.why))
+
+
+def boxes(told: Iterable[str], write: Callable[[str], str] = str) -> tuple[list[str], list[str]]:
+    """Return what stands in a box "Warning", where the command ends with exit code 5, and what in a box "Note".
+
+    Parameters
+    ----------
+    told : iterable of str or Notice
+        What a result says beside its numbers.
+    write : callable
+        How it is written: `sentence` where none begins with a name.
+    """
+    notices = [notice_of(words) for words in told]
+    return [write(n) for n in notices if n.serious], [write(n) for n in notices if not n.serious]
 
 
 def versions_now() -> str:

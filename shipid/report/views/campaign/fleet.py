@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from markupsafe import Markup
+
 import shipid
 from shipid.campaign.fleet import PARTS
 from shipid.campaign.fleet_result import FleetResult
@@ -29,7 +31,7 @@ def fleet_page(found: FleetResult) -> Page:
     units = {n: pretty(found.coefficients[n].unit) for n in names}
     columns = [
         ("Outcome", "outcome", "keep"),
-        *((f"{n} [{units[n]}]" if units[n] != "1" else n, n, "keep") for n in names),
+        *((f"{n} [{units[n]}]" if units[n] != "1" else n, n) for n in names),
     ]
     rows = [_row(found, k) for k in range(total)]
     return Page(
@@ -76,7 +78,8 @@ def _row(found: FleetResult, k: int) -> Row:
         value, std = (plain(float(rows[c][k])) for c in (name, f"{name}_std"))
         text = "–" if value is None else uncertain(value, std)
         standing = rows[f"{name}_{PARTS[3]}"][k]
-        row[name] = text if value is None or standing == DETERMINED else f"{text}, {standing}"
+        kept = Markup('<span class="keep">{}</span>').format(text)
+        row[name] = kept if value is None or standing == DETERMINED else kept + f", {standing}"
     return row
 
 

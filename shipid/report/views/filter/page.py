@@ -19,7 +19,7 @@ from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
 from shipid.report.views.filter.innovations import innovation_panel, innovation_row
 from shipid.report.views.filter.parameters import parameters_section
-from shipid.report.views.words import sentence, versions_now, with_unit
+from shipid.report.views.words import boxes, sentence, versions_now, with_unit
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
@@ -57,12 +57,13 @@ def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
     seen : Observability, optional
         What the record shows of the state, where that was worked out.
     """
+    warnings, notes = boxes(_told(run))
     return Page(
         f"Trial {run.record} filtered with model {run.design.base.name}",
         [("", _answer(run))],
         [s for section in SECTIONS if (s := section(run)) is not None],
-        () if seen is None else seen.messages,
-        _cautions(run) if seen is not None else [*_cautions(run), _NOT_ASKED],
+        warnings if seen is None else [*warnings, *seen.messages],
+        notes if seen is not None else [*notes, _NOT_ASKED],
         f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
 
@@ -82,8 +83,8 @@ def _expected(i: Innovations) -> bool:
     return i.nis_band[0] <= i.nis_mean <= i.nis_band[1] and i.white_p >= WHITE
 
 
-def _cautions(run: FilterRun) -> list[str]:
-    said: list[str] = [str(n) for n in run.warnings]
+def _told(run: FilterRun) -> list[str]:
+    said: list[str] = list(run.warnings)
     for name, i in run.innovations.items():
         if i.rejected:
             said.append(f"{i.rejected} of {i.t.size} samples of {name} were outside the gate and were rejected.")

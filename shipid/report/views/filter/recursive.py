@@ -39,7 +39,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     answer += [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
     cautions = [*run.arranged.words, *(n for n in run.warnings if not n.serious)]
     return Page(
-        f"Trial {run.record} identified with model {design.model.name}, by {design.method.name}",
+        f"Trial {run.record} identified recursively with model {design.model.name}",
         [("", answer)],
         [s for section in SECTIONS if (s := section(run)) is not None],
         [f"Not reliable: {run.why_diverged}"] if run.diverged else [],

@@ -13,7 +13,7 @@ from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import named, shown_field
 from shipid.report.views.equations import equations_section
-from shipid.report.views.words import count, listed, sentence, versions_now, with_unit
+from shipid.report.views.words import boxes, count, listed, sentence, versions_now, with_unit
 
 #: Standard deviations that differ by less are the same.
 _ALIKE = 0.05
@@ -27,11 +27,13 @@ def plan_page(plan: Plan) -> Page:
     plan : Plan
         The plan.
     """
+    warnings, notes = boxes(plan.warnings, sentence)
     return Page(
         f"Trials to sail for {plan.model.name} of {plan.ship}",
         [("", _answer(plan))],
         [_legs(plan), *_timetable(plan), _forecasts(plan), _grounds(plan), equations_section(plan.model)],
-        cautions=[sentence(str(w)) for w in plan.warnings],
+        warnings=warnings,
+        cautions=notes,
         footer=versions_now(),
     )
 

@@ -13,7 +13,6 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement
 from shipid.declaration.units import pretty
-from shipid.foundation.notices import notice_of
 from shipid.foundation.numbers import fixed, given, number
 from shipid.report.figures.tuning import design_figures, tuning_figures
 from shipid.report.page import Page, Section
@@ -26,7 +25,7 @@ from shipid.report.views.tuning.judgement import (
     steps_section,
     weather_section,
 )
-from shipid.report.views.words import sentence
+from shipid.report.views.words import boxes, sentence
 
 _ADVICE = {
     "disk margin": "A lower natural frequency or more trials of this ship raise it.",
@@ -86,13 +85,13 @@ def design_page(pilot: Autopilot) -> Page:
 
 
 def _page(pilot: Autopilot, words: Sequence[str], warnings: Sequence[str], sections: Sequence[Section]) -> Page:
-    told = [notice_of(w) for w in warnings]
+    grave, notes = boxes(warnings, sentence)
     return Page(
         f"Autopilot of {pilot.ship.name}, tuned with model {pilot.model.name}",
         [("", words)],
         sections,
-        [sentence(w) for w in told if w.serious],
-        [sentence(w) for w in told if not w.serious],
+        grave,
+        notes,
         f"shipid {shipid.__version__}",
     )
 
