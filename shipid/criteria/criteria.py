@@ -62,6 +62,11 @@ def loop_width_limit(unit_time: float) -> float:
     return float(np.clip(unit_time / 3 - 3, 0.0, 12.0))
 
 
+#: Water so many draughts deep is shallow to the standard (MSC/Circ.1053, 2.2).
+DEEP = 4.0
+_VERDICT = {True: "within", False: "BEYOND", None: ""}
+
+
 @dataclass(frozen=True, repr=False)
 class CriterionSide(ResultEntry):
     """One quantity to one side.
@@ -192,17 +197,16 @@ class Criteria(DrawnResult):
         ]
         for row in self.rows:
             cells = " ".join(f"{_cell(side):>22s}" for side in (row.starboard, row.port))
-            mark = {True: "within", False: "BEYOND", None: ""}[row.within]
             lines.append(
-                f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {mark}".rstrip()
+                f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {_VERDICT[row.within]}".rstrip()
             )
         if self.spiral is not None:
             s = self.spiral
             lines.append(
                 "  straight course: stable, no spiral loop" if s["half_width"]["value"] == 0 and s["stable"]
                 else f"  straight course: {'stable' if s['stable'] else 'unstable'}; spiral loop of "
-                f"{s['half_width']['value']:.3g} deg half width; width {s['loop_width']['value']:.3g} deg, {s['limit_text']}, "
-                f"{'within' if s['within'] else 'BEYOND'}"
+                f"{s['half_width']['value']:.3g} deg half width; width {s['loop_width']['value']:.3g} deg, {s['limit_text']}"
+                + (f", {_VERDICT[s['within']]}" if s["within"] is not None else "")
             )  # fmt: skip
         lines += [f"  not covered: {what}" for what in NOT_COVERED]
         return "\n".join([*lines, *(f"  {n}" for n in self.notes)])

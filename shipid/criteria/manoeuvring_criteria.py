@@ -12,6 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shipid.criteria.criteria import (
+    DEEP,
     WORDING,
     Criteria,
     Criterion,
@@ -101,7 +102,7 @@ def manoeuvring_criteria(
         sides = [(manoeuvres(known, side), [manoeuvres(values, side) for values in sets]) for side in (1, -1)]
         spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
     notes: list[str] = _not_sailed(model, [point for point, _ in sides], rudder)
-    notes += _scope(length, velocity, model)
+    notes += [*_scope(length, velocity, model), *(shallow := _shallow(known, own))]
     turned = [point.turned for point, _ in sides if point.turned]
     reached = {n: np.concatenate([one[n] for one in turned]) for n in (turned[0] if turned else ())}
     told = beyond_in_run(model, own, velocity, {**reached, "delta": np.array([rudder])})
@@ -118,8 +119,8 @@ def manoeuvring_criteria(
         length,
         velocity,
         rudder,
-        _rows(sides, length, length / velocity),
-        _spiral(spiral, spirals, length / velocity),
+        _rows(sides, length, length / velocity, not shallow),
+        _spiral(spiral, spirals, length / velocity, not shallow),
         (*notes, about),
     )
 
@@ -152,7 +153,7 @@ def _sets(
 
 
 def _rows(
-    sides: list[tuple[ManoeuvreNumbers, list[ManoeuvreNumbers]]], length: float, unit_time: float
+    sides: list[tuple[ManoeuvreNumbers, list[ManoeuvreNumbers]]], length: float, unit_time: float, judged: bool
 ) -> tuple[Criterion, ...]:
     angle, deg = display_unit("psi", "rad"), display_factor("psi", "rad")
     table = (
@@ -177,6 +178,8 @@ def _rows(
             found.append(CriterionSide(None if value is None else value * scale, scaled, words))
         if "by L/V" in text and limit is not None:
             text = f"{limit:.3g} deg at L/V {unit_time:.3g} s"
+        if not judged:
+            limit, text = None, text and "in deep water only"
         rows.append(Criterion(key, meaning, unit, limit, text, found[0], found[1]))
     return tuple(rows)
 
@@ -204,7 +207,9 @@ def _why(key: str, point: ManoeuvreNumbers) -> str:
     return f"not reached: not within {LENGTHS[kind]:g} L/V of the order"
 
 
-def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: float) -> dict[str, Plain] | None:
+def _spiral(
+    point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: float, judged: bool
+) -> dict[str, Plain] | None:
     if point is None:
         return None
     deg = display_factor("psi", "rad")
@@ -219,8 +224,10 @@ def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: flo
         "loop_width": quantity(point.loop_width * deg, "deg"),
         "loop_height": quantity(None if point.loop_height is None else point.loop_height * deg, "deg/s"),
         "limit": quantity(limit, "deg"),
-        "limit_text": f"limit of {limit:.3g} deg at L/V {unit_time:.3g} s (ascribed to the ABS guide of 2006, not verified)",
-        "within": bool(point.loop_width * deg <= limit),
+        "limit_text": f"limit of {limit:.3g} deg at L/V {unit_time:.3g} s (ascribed to the ABS guide of 2006, not verified)"
+        if judged
+        else "judged in deep water only",
+        "within": bool(point.loop_width * deg <= limit) if judged else None,
     }
 
 
@@ -237,6 +244,15 @@ def _scope(length: float, speed: float, model: Model) -> list[str]:
         f"{speed:.4g} m/s, and the model has no engine to check it."
     )
     return notes
+
+
+def _shallow(known: Mapping[str, float], ship: ParameterSet) -> list[str]:
+    """That no value is judged, where the model feels the bottom: the limits are those of deep water."""
+    depth, draught = known.get("depth"), ship.particular("T", "m")
+    if depth is None or not draught or depth > DEEP * draught:
+        return []
+    words = f"The water is {depth:.3g} m deep, {depth / draught:.3g} draughts, and the standard holds in more than {DEEP:g}: no value is judged."
+    return [Notice(words, "shallow-water", quantity="depth")]
 
 
 def _harder(model: Model, ship: ParameterSet, rudder: float) -> list[str]:

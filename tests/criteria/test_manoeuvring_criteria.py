@@ -16,7 +16,9 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
+from shipid.parameters.replaced import with_values
 from shipid.parameters.validity import BEYOND
+from shipid.report.write_report import render
 
 L, U = 226.0, 9.5
 
@@ -48,6 +50,18 @@ def test_the_width_of_a_loop_stands_beside_its_limit():
         assert spiral["loop_width"]["value"] == pytest.approx(6.16, abs=0.01)
         assert spiral["limit"]["value"] == pytest.approx(L / speed / 3 - 3) and spiral["within"] is within
         assert f"{'within' if within else 'BEYOND'}\n" in result.text().partition("straight course")[2]
+
+
+def test_nothing_is_judged_in_shallow_water():
+    """A circle and a spiral at 1.4 draughts were within limits that hold in deep water."""
+    model = shipid.find_model("mmg-shallow")
+    for depth, judged in (("30 m", False), ("200 m", True)):
+        ship = with_values(shipid.find_ship("kvlcc2"), {"depth": depth}, [model])
+        result = manoeuvring_criteria(model, ship=ship, draws=0)
+        assert {row.within for row in result.rows if row.key != "transfer"} == {True if judged else None}
+        assert result.spiral["within"] is (True if judged else None)
+        assert ("within" in result.text()) is judged and ("no value is judged" in result.text()) is not judged
+        assert ("No value is judged." in render(result)) is not judged
 
 
 def unstable(speed: float) -> dict[str, float]:

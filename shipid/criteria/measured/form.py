@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.criteria.criteria import DEEP
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
@@ -17,8 +18,8 @@ from shipid.trials.measuring.results.measures import Measures
 _SEA_WATER = 1025.0
 #: Wind speed at which each number of the Beaufort scale begins, from 1 on [m/s] (WMO).
 _BEAUFORT = (0.3, 1.6, 3.4, 5.5, 8.0, 10.8, 13.9, 17.2, 20.8, 24.5, 28.5, 32.7)
-#: What the standard asks (MSC/Circ.1053, 2.2): water deeper than this many draughts, wind of at most this number of Beaufort.
-_DEEP, _WINDY = 4.0, 5
+#: What the standard asks (MSC/Circ.1053, 2.2): wind of at most this number of Beaufort.
+_WINDY = 5
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,8 +85,8 @@ def _entries(stated: Conditions, length: float | None, measured: Sequence[Measur
     yield FormEntry("rudder_area_ratio", "Rudder area / (length × draught)", "1", _ratio(rudder, length, draught))
     trim = None if fore is None or aft is None else aft - fore
     yield FormEntry("trim", "Trim by the stern", "m", trim)
-    deep = None if depth is None else depth > _DEEP
-    yield FormEntry("depth_over_draught", "Water depth / draught", "1", depth, f"more than {_DEEP:g}", deep)
+    deep = None if depth is None else depth > DEEP
+    yield FormEntry("depth_over_draught", "Water depth / draught", "1", depth, f"more than {DEEP:g}", deep)
     number = None if wind is None else float(np.searchsorted(_BEAUFORT, wind, side="right"))
     calm = None if number is None else number <= _WINDY
     yield FormEntry("beaufort", "Beaufort number of the wind", "1", number, f"at most {_WINDY}", calm)

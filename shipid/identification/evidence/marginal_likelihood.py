@@ -19,7 +19,7 @@ from shipid.identification.evidence.bias_spread import EXPECTED, BiasSpread, pro
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.least_squares import Progress, minimise_robustly
-from shipid.identification.search.prediction_weights import lasting_errors, weigh_again
+from shipid.identification.search.prediction_weights import lasting_errors, weigh_again, weigh_first
 from shipid.identification.search.solution import Solution, SolutionAtSpread
 from shipid.identification.uncertainty.covariance import covariance_of
 
@@ -73,6 +73,18 @@ class Weighing:
         """
         return solution if self.given else weigh_again(solution, box, self.least, self.independent)
 
+    def first(self, solution: Solution, box: Box) -> Solution:
+        """Return the solution under the weights of its own residuals, which may be mere noise.
+
+        Parameters
+        ----------
+        solution : Solution
+            The end of a search.
+        box : Box
+            Bounds of the parameters.
+        """
+        return solution if self.given else weigh_first(solution, box, self.least, self.independent)
+
 
 def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) -> tuple[Solution, BiasSpread | None]:
     """Return the solution on every sample with the spread of the biases estimated.
@@ -99,8 +111,8 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
         return _on_every_sample(found, problem, box, weighing), None
     prior = problem.prior
     if prior is None or _INPUT not in prior.biases or weighing.records < 2:
-        return _on_every_sample(weighing.again(found, box), problem, box, weighing), None
-    at = weighing.again(_at(found, float(_SPREADS[_WIDE]), box), box)
+        return _on_every_sample(weighing.first(found, box), problem, box, weighing), None
+    at = weighing.first(_at(found, float(_SPREADS[_WIDE]), box), box)
     for _ in range(_TURNS):
         if not at.finite:
             return at, None

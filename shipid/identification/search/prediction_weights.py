@@ -27,6 +27,9 @@ _SETTLED = 0.02
 _TURNS = 6
 #: A model whose residuals are so many times smaller than the error of a low-order model has no such error.
 _EXACT = 10.0
+#: Share of the time of independence up to which residuals last no longer than noise, and runs that show whether they do.
+_WHITE = 0.05
+_TRIED = 30
 #: Samples in L/U that are enough: residuals last for longer, and a rudder takes longer to be put over.
 _ENOUGH = 40
 
@@ -76,6 +79,34 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
     return solution
 
 
+def weigh_first(solution: Solution, box: Box, least: np.ndarray, independent: float) -> Solution:
+    """Return the solution as `weigh_again` does, from the weights of noise where residuals are noise under them.
+
+    Weights of a wrong structure hold a model to its prior, so that the residuals of a right one may last, too: only the weights of
+    noise show whether they do.
+
+    Parameters
+    ----------
+    solution, box, least, independent
+        See `weigh_again`.
+
+    Returns
+    -------
+    Solution
+    """
+    found = weigh_again(solution, box, least, independent)
+    if not found.finite or not _lasts(found, independent):
+        return found
+    problem = found.problem
+    sigma = np.sqrt(_single(problem, independent)) * _noise_levels(found)
+    as_noise = replace(problem, sigma=sigma, prior=_off_at_the_start(problem, np.zeros(sigma.size)))
+    other = minimise_robustly(as_noise, found.q, box, most=_TRIED, tolerance=1e-4)
+    other = replace(other, evaluations=found.evaluations + other.evaluations)
+    if not other.finite or _lasts(other, independent):
+        return replace(found, evaluations=other.evaluations)
+    return weigh_again(other, box, least, independent)
+
+
 def lasting_errors(solution: Solution, independent: float) -> np.ndarray:
     """Return the part of each signal's residuals that lasts, SI, shape (signals,): nothing of white noise.
 
@@ -92,12 +123,34 @@ def lasting_errors(solution: Solution, independent: float) -> np.ndarray:
 
 def _levels(solution: Solution, independent: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Standard deviation of the residuals, how long they last in shares of the time of independence, and the share beyond one sample."""
-    problem = solution.problem
-    steps = [[d.step_of(j) for j in range(len(problem.signals))] for d in problem.trials]
-    single = np.mean(steps, axis=0) / independent
+    single = _single(solution.problem, independent)
     # White noise lasts for one sample.
     lasting = np.maximum(correlation_times(solution) / independent, np.minimum(single, 1.0))
     return residual_levels(solution), lasting, np.clip(lasting - single, 0.0, 1.0)
+
+
+def _single(problem: Problem, independent: float) -> np.ndarray:
+    """How long one sample of each signal lasts, in shares of the time of independence."""
+    steps = [[d.step_of(j) for j in range(len(problem.signals))] for d in problem.trials]
+    return np.asarray(np.mean(steps, axis=0) / independent)
+
+
+def _lasts(solution: Solution, independent: float) -> bool:
+    """Whether the residuals of a signal last for longer than noise does: the next sample may share it by chance."""
+    longest = np.maximum(_WHITE, _single(solution.problem, independent))
+    return bool((_levels(solution, independent)[2] > longest).any())
+
+
+def _noise_levels(solution: Solution) -> np.ndarray:
+    """Standard deviation of the part of each signal's residuals that changes from sample to sample, SI, shape (signals,)."""
+    own = residual_levels(solution)
+    for j in range(own.size):
+        steps = [np.diff(r[np.isfinite(r)]) for r in (t[j] for t in solution.problem.by_signal(solution.residual))]
+        together = np.concatenate(steps)
+        if together.size:
+            size = float(np.std(together) / np.sqrt(2)) * solution.problem.sigma[j]
+            own[j] = np.clip(size, 1e-3 * own[j], own[j])
+    return own
 
 
 def _off_at_the_start(problem: Problem, beyond: np.ndarray) -> Prior | None:

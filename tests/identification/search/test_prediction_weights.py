@@ -14,7 +14,12 @@ from shipid.identification.problem.output_error import make_problem
 from shipid.identification.problem.prior import Prior
 from shipid.identification.problem.trial_data import prepare
 from shipid.identification.search.least_squares import minimise, thinned_to
-from shipid.identification.search.prediction_weights import correlation_times, independent_samples, weigh_again
+from shipid.identification.search.prediction_weights import (
+    correlation_times,
+    independent_samples,
+    weigh_again,
+    weigh_first,
+)
 from shipid.identification.search.solution import Solution, residual_levels
 
 SIGNALS = ("psi", "r")
@@ -134,6 +139,24 @@ def test_weights_by_size_and_duration_of_residuals(problem, monkeypatch, share, 
         expected = size * np.sqrt(problem.trials[0].intervals[0] / 10.0)
     # The time for which one record lasts scatters by a half, its root by a quarter.
     assert weighed == pytest.approx([expected, expected], rel=0.35)
+
+
+@pytest.mark.parametrize("right", [True, False])
+def test_residuals_that_last_only_under_the_weights_of_a_wrong_structure_are_noise(problem, monkeypatch, right):
+    """A right model with a wind was held to its prior: the moment of the wind came out at a half, and all intervals ten times wider."""
+    problem = replace(problem, prior=Prior({}, {}, {}, {"psi": 0.01, "r": 0.001}))
+    held, free = lasting_for(problem, 1.0, 0.5), lasting_for(problem, 0.0, 0.05)
+
+    def search(again, *_, **__):
+        found = free if right and (again.sigma < 0.5 * problem.sigma).all() else held
+        own = problem.sigma / again.sigma
+        return replace(found, problem=again, residual=(found.residual.reshape(2, -1) * own[:, None]).ravel())
+
+    monkeypatch.setattr("shipid.identification.search.prediction_weights.minimise_robustly", search)
+    structure, noise = 1.0, 0.05 * np.sqrt(problem.trials[0].intervals[0] / 10.0)
+    for weigh, expected in ((weigh_again, structure), (weigh_first, noise if right else structure)):
+        weighed = weigh(held, None, problem.sigma, 10.0).problem.sigma / problem.sigma
+        assert weighed == pytest.approx([expected, expected], rel=0.5)
 
 
 def test_a_start_is_as_uncertain_as_what_was_measured_and_the_lasting_error_of_the_model_together(problem):

@@ -39,7 +39,7 @@ def _answer(found: Criteria) -> list[str]:
         names = [row.meaning for row in found.rows if row.within is verdict]
         said += [f"{words}: {'; '.join(names)}."] if names else []
     open_ = [row.meaning for row in found.rows if row.within is None and row.limit is not None]
-    return [*said, *([f"Not decided: {'; '.join(open_)}."] if open_ else [])]
+    return [*said, *([f"Not decided: {'; '.join(open_)}."] if open_ else [])] or ["No value is judged."]
 
 
 def criteria_section(found: Criteria | str | None) -> Section | None:
@@ -125,5 +125,5 @@ def _spiral(found: Criteria) -> str:
     words = f"Spiral: the ship is unstable on a straight course; half width of the loop {fixed(s['half_width']['value'], 2)} deg"
     words += f" (95 % band {band} deg)" if band else ""
     words += f", height {number(height, 3)} deg/s" if height is not None else ""
-    verdict = "within" if s["within"] else "beyond"
-    return f"{words}; its width of {fixed(s['loop_width']['value'], 2)} deg is {verdict} the {s['limit_text']}."
+    verdict = {True: "within the ", False: "beyond the ", None: ""}[s["within"]]
+    return f"{words}; its width of {fixed(s['loop_width']['value'], 2)} deg is {verdict}{s['limit_text']}."
