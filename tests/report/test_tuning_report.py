@@ -51,6 +51,11 @@ def test_pages_are_whole_and_need_nothing(pages, which, read_page):
     assert re.findall(r"\bNone\b", bare) == [] and "compliant" not in bare
 
 
+def test_a_plot_of_a_judgement_is_the_first_figure_of_its_page(judged):
+    titles = [ax.get_title(loc="left") for ax in shipid.plot(judged).axes]
+    assert "Heading [deg]" in titles and "Rudder angle [deg]" in titles
+
+
 def test_the_site_explains_the_sections_that_there_are(pages):
     explained = set(re.findall(r"\*\*(.+?)\*\*", (SITE / "tuning.md").read_text(encoding="utf-8")))
     there = {t for page in pages.values() for t in re.findall(r"<h2[^>]*>([^<]+)</h2>", page)}

@@ -52,7 +52,11 @@ def tuning_figures(judged: Judgement) -> dict[str, Markup]:
     judged : Judgement
         The design and its judgement.
     """
-    found = design_figures(judged.pilot)
+    # In the order of the page: the first one is what `plot` draws.
+    steps = chart(
+        _step_axes([judged], [""]), "time [s]", "steps", "Course changes at the ship's own speed: heading and rudder"
+    )
+    found = {"steps": steps, **design_figures(judged.pilot)}
     found["margins"] = chart(_margin_axes(judged), "speed [m/s]", "margins", "Margins against speed, with their limits")
     disk = judged.limits["disk margin"]
     found["bode"] = chart(_bode_axes(judged), "frequency [rad/s]", "bode", "Bode diagram of the loop", log=True)
@@ -60,9 +64,6 @@ def tuning_figures(judged: Judgement) -> dict[str, Markup]:
         _sensitivity_axes(judged), "frequency [rad/s]", "sensitivity", "Sensitivity of the loop", log=True
     )
     found["nyquist"] = nyquist(_nyquist_lines(judged), disk, "nyquist", "Nyquist curves of the loop")
-    found["steps"] = chart(
-        _step_axes([judged], [""]), "time [s]", "steps", "Course changes at the ship's own speed: heading and rudder"
-    )
     if len(judged.drawn_histories["t"]) > 1:
         axes = _drawn_axes(judged.drawn_histories)
         found["drawn"] = chart(axes, "time [s]", "drawn", "Course changes of ships drawn from the uncertainty")
