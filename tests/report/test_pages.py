@@ -134,7 +134,9 @@ def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
     assert '<table class="stack' not in orders[:220]
     assert "The trials agree on K." in read_page(pages["fleet"]).text
     near_zero = "(1.0 ± 2.0) × 10⁻⁴, not distinguishable from zero"
-    assert near_zero in read_page(pages["fleet"]).text.replace(" ,", ","), "the words of the report of an identification"
+    assert near_zero in read_page(pages["fleet"]).text.replace(" ,", ","), (
+        "the words of the report of an identification"
+    )
     assert pages["ranking"].count("<svg") == 2
     assert "Within its limit: " in read_page(pages["criteria"]).text
     command = "shipid plan nomoto --ship 'my ship' --time <20>"
