@@ -97,7 +97,6 @@ def _range_unit(ranges: np.ndarray) -> list[Notice]:
             f"{near.size} ranges lie below {near[-1]:.3g} m, and all others beyond {far[0]:.0f} m: the column may mix metres and "
             f"{' or '.join(likely)}. Write all in one unit, or each sensor in a log of its own.",
             "range-unit",
-            serious=True,
             count=int(near.size),
         )
     ]

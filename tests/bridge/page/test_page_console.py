@@ -124,6 +124,15 @@ def test_each_mode_turns_its_own_setting(bridge, open_page, until):
     field.fill("-12")
     field.press("Enter")
     wait_for(bridge, page, "trial", rate=-12 * DEG / 60)
+    # A turn at a rate ends at the trial heading: it is shown, can be set, and is said.
+    compass = page.get_by_role("slider", name="Trial heading")
+    assert compass.get_attribute("aria-disabled") == "false"
+    compass.click(position={"x": compass.bounding_box()["width"] - 30, "y": compass.bounding_box()["height"] / 2})
+    wait_for(bridge, page, "trial", heading=90 * DEG)
+    said = page.evaluate(
+        "async () => (await import('/static/script/console/settings.js')).inWords({mode: 'rate', rate: 0.01, heading: 0, rudder_limit: 0.2})"
+    )
+    assert said == "rate 34.4°/min to 000.0°, limit 11°"
     page.get_by_role("radio", name="Track", exact=True).click()
     until(page, "document.querySelector('.follow').textContent === 'next 075.0°'")
     assert page.get_by_role("slider", name="Trial heading").get_attribute("aria-disabled") == "true"

@@ -2,6 +2,7 @@
 
 import { mark, svg } from "../dom.js";
 import { DEG, degrees, halfTurn, known } from "../figures.js";
+import { toHeading } from "./settings.js";
 
 const RIM = 76;
 
@@ -70,7 +71,7 @@ export function createCompass(model, settings) {
     const { mode, heading } = settings.trial();
     const psi = model.state.own?.psi;
     const done = settings.executed();
-    const usable = mode === "heading" && known(heading);
+    const usable = toHeading(mode) && known(heading);
     mark(dial, "aria-disabled", usable ? "false" : "true");
     mark(dial, "aria-valuenow", known(heading) ? degrees(heading) : 0);
     mark(dial, "aria-valuetext", known(heading) ? `${degrees(heading)} degrees` : "not known");
@@ -87,7 +88,7 @@ export function createCompass(model, settings) {
       mark(letter, "x", x.toFixed(1));
       mark(letter, "y", (y + 4).toFixed(1));
     }
-    at(executed, done?.mode === "heading" ? done.heading : null);
+    at(executed, toHeading(done?.mode) ? done.heading : null);
     const apart = usable && known(psi) && Math.abs(halfTurn(heading - psi)) > 0.5 * DEG;
     mark(turning, "visibility", apart ? "visible" : "hidden");
     if (apart) mark(turning, "d", arc(psi, heading));

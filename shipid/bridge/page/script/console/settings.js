@@ -22,12 +22,15 @@ export const MODES = {
   track: { name: "Track", key: null, label: "Track pilot" },
 };
 
+/** Whether a mode turns to the trial heading: a rate of turn does, and ends there. */
+export const toHeading = (mode) => mode === "heading" || mode === "rate";
+
 /** Say a set of settings in words: "075.0°, limit 10°". */
 export function inWords(set) {
   if (!set) return "nothing yet";
   const limit = known(set.rudder_limit) ? `, limit ${(set.rudder_limit / DEG).toFixed(0)}°` : "";
   if (set.mode === "rudder") return `rudder ${rudder(set.rudder)}`;
-  if (set.mode === "rate") return `rate ${perMinute(set.rate)}°/min${limit}`;
+  if (set.mode === "rate") return `rate ${perMinute(set.rate)}°/min to ${direction(set.heading)}${limit}`;
   if (set.mode === "track") return `track pilot${limit}`;
   return `heading ${direction(set.heading)}${limit}`;
 }

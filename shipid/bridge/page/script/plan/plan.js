@@ -2,6 +2,7 @@
 
 import { direction, distance, halfTurn, known, MILE } from "../figures.js";
 import { drawBuoys, drawChart, prepare } from "./chart.js";
+import { toHeading } from "../console/settings.js";
 import { readColours } from "./colours.js";
 import { createLabels } from "./labels.js";
 import { drawBearings, drawRings, drawTrialHeading, drawVrm, labelRings } from "./marks.js";
@@ -92,7 +93,7 @@ export function createPlan(model, settings) {
     const labels = createLabels(ctx, size.width, size.height, colours.sea, size.width > 500 ? reserved : reserved.slice(0, 3));
 
     const trial = settings.trial();
-    const tried = markers.trial && here && trial.mode === "heading" && known(trial.heading);
+    const tried = markers.trial && here && toHeading(trial.mode) && known(trial.heading);
     if (here) labels.keep(centre, 12);
     for (const point of [...(route?.waypoints ?? []), ...(markers.ships ? state.targets ?? [] : []), ...(markers.chart ? chart?.buoys ?? [] : [])]) {
       if (known(point.x) && known(point.y)) labels.keep(look.point(point.x, point.y), 6);
