@@ -105,7 +105,7 @@ def _by_answer(trial: Trial, steering: Steering, orders: Sequence[float]) -> Set
     return SettingOut(
         tuple(when + answer.delay for when in orders), doubtful,
         f"the rudder angle is not logged, and by the ship's answer it sets out {answer.delay:.3g} s after the order "
-        f"({answer.earliest:.2g} to {answer.latest:.2g} s): {_either(doubtful)}",
+        f"({answer.earliest:.2g} to {answer.latest:.2g} s): {_either(doubtful)}", about=_ABOUT,
     )  # fmt: skip
 
 
