@@ -17,6 +17,7 @@ import pandas as pd
 from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
 from shipid.identification.identified import Identified
+from shipid.identification.problem.ship_scale import scale_before
 from shipid.identification.problem.signals import is_predicted
 from shipid.identification.uncertainty.draws import Draws, band_of
 from shipid.identification.validation.comparison import Comparison
@@ -32,6 +33,8 @@ from shipid.trials.trial import Trial
 
 #: Samples of a circle that are enough to measure it.
 _ENOUGH = 3000
+#: L/U before the order from where a turn is predicted.
+_APPROACH = 1.0
 _Read = TypeVar("_Read")
 #: Initial state, coefficients and input biases of one run.
 _Run = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -71,8 +74,19 @@ def _manoeuvre(
     if zigzag is not None:
         found = _with_swings(found, identified, runs, zigzag, structure, growth)
     if circle is not None:
+        if index is None:
+            runs = runs_of(identified, _from_the_order(identified, comparison, circle), draws.unknowns, None)
         found = replace(found, turn=_circle(identified, runs, circle, structure, growth))
     return replace(found, growth=growth)
+
+
+def _from_the_order(identified: Identified, comparison: Comparison, circle: TurningCircle) -> Comparison:
+    """The trial from shortly before the order: what a ship in wind drifts off on a long approach is nothing of her turn."""
+    ordered, trial = circle.first_execute, comparison.trial
+    if ordered is None:
+        return comparison
+    start = ordered - _APPROACH * scale_before(identified.ship, trial).unit_time
+    return comparison if start <= trial["t"][0] else replace(comparison, trial=trial.window(start, None))
 
 
 def _over(

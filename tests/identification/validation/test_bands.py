@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import shipid
@@ -40,6 +41,19 @@ def test_the_result_has_every_key_and_no_nan(fit):
         assert set(turn[key]) == {"measured", "predicted", "interval_95", "unit"}
         assert turn[key]["interval_95"][0] < turn[key]["predicted"] < turn[key]["interval_95"][1]
     assert turn["overshoots"]["value"] == [] and "advance" not in zigzag
+
+
+def test_a_turn_is_predicted_from_its_order_however_long_the_approach(fit, sail):
+    """A ship that holds her course against a wind by rudder is not turned by it for the length of her approach."""
+    trial = sail("de-keizer", "soesterberg", "turn:20", noise="none", name="turn")
+    t = np.arange(400) * trial.sampling
+    ahead = trial.table.iloc[[0] * t.size].assign(t=t, psi=0.0, delta=np.radians(-7.0))
+    whole = trial.table.assign(t=trial["t"] + t[-1] + trial.sampling)
+    long = replace(trial, name="held", table=pd.concat([ahead, whole], ignore_index=True))
+    fit = fit.validate([trial, long])
+    found = shipid.assess(fit, findings=False).assessment.manoeuvres
+    for name in ("advance", "transfer", "tactical_diameter"):
+        assert found["held"].turn[name].predicted == pytest.approx(found["turn"].turn[name].predicted, rel=0.01)
 
 
 def test_the_prediction_in_the_band_is_the_one_of_the_fit(fit):

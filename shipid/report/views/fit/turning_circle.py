@@ -37,7 +37,7 @@ def turn_rows(
         if name == "steady_speed" and not speed:
             continue  # the model reads the speed from the record, so it predicts none
         value, unit, meaning = found.get(name, (None, "", ""))
-        predicted = foreseen.get(name)
+        predicted = _predicted(name, manoeuvre, length, foreseen.get(name))
         if value is None and predicted is None:
             continue
         words = name.removesuffix("_ratio").replace("_", " ").capitalize()
@@ -53,6 +53,17 @@ def turn_rows(
             }
         )
     return measured.title, rows
+
+
+def _predicted(
+    name: str, manoeuvre: PredictedManoeuvre | None, length: float | None, whole: float | None
+) -> float | None:
+    """The prediction that the band is about: of a trial kept apart from the order on, not from the beginning of the record."""
+    base = name.removesuffix("_ratio")
+    found = manoeuvre.turn.get(base) if manoeuvre else None
+    if found is None or found.predicted is None:
+        return whole
+    return found.predicted / length if base != name and length else found.predicted
 
 
 def _band(name: str, manoeuvre: PredictedManoeuvre | None, length: float | None) -> str:
