@@ -204,7 +204,10 @@ def test_the_family_of_recursive_identification(call, method, tmp_path):
         estimate = result["parameters"][name]
         assert estimate["value"] == pytest.approx(truth, rel=0.08)
         assert estimate["interval_95"][0] < estimate["value"] < estimate["interval_95"][1]
-    assert f"by {method}" in (tmp_path / "report.html").read_text()
+    assert method in (tmp_path / "report.html").read_text()
+    told = [w["message"] for w in result["warnings"] if w["kind"] == "biased"]
+    assert bool(told) is (method == "rls")
+    assert not told or "biases the estimates of rls" in told[0]
 
 
 def test_methods_and_what_they_do_not_take(refused):

@@ -53,6 +53,11 @@ class Method:
     separate: bool = False
 
     @property
+    def is_biased(self) -> bool:
+        """Whether noise of the measured output enters the regressors, and biases the parameters."""
+        return self.previous_output == "measured" and not self.instruments
+
+    @property
     def first_factor(self) -> float:
         """First variances of the gains in those given.
 

@@ -185,14 +185,20 @@ class RecursiveIdentification(DrawnResult):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What makes the estimates unusable, and whether the innovations are not white."""
+        """What makes the estimates unusable, what their intervals leave out, and whether the innovations are not white."""
         if self.diverged:
             return (Notice(f"not reliable: {self.why_diverged}", "diverged", serious=True),)
+        method, output = self.design.method, self.design.output
+        found = (
+            f"Noise in the measured {output} biases the estimates of {method.name}, by some percent or more; the intervals hold their "
+            "scatter, and not this bias. Without it: --method instrumental-variables, or ekf."
+        )
+        biased = (Notice(found, "biased", sensor=output),) if method.is_biased else ()
         p = self.white_p
         if p is None or p >= WHITE:
-            return ()
+            return biased
         words = f"The innovations are not white (p {probability(p)}): the model does not explain part of them."
-        return (Notice(words, "innovations-not-white", sensor=self.design.output, p_value=p),)
+        return (*biased, Notice(words, "innovations-not-white", sensor=output, p_value=p))
 
     @functools.cached_property
     def follow(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
