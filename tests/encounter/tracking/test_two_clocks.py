@@ -45,6 +45,18 @@ def test_one_clock_is_not_taken_for_two(bearing_std):
     assert told(track(log(7.0, None, bearing_std))) == []
 
 
+def test_an_echo_behind_a_ship_for_a_while_is_no_second_clock():
+    rng = np.random.default_rng(2)
+    behind = TIMES[10:36]
+    t = np.concatenate([TIMES, behind])
+    sailed = t - np.repeat([0.0, 20.0], [TIMES.size, behind.size])
+    x, y = 3000 - 8 * sailed, 500 + 6 * sailed
+    order = np.argsort(t, kind="stable")
+    seen = (v[order] + rng.normal(0, 10, t.size) for v in (x, y))
+    found = track(make_plots(t[order], *seen))
+    assert len(found.tracks) == 2 and told(found) == []
+
+
 def test_a_clock_that_goes_back_is_told():
     x, y = 3000 - 5 * TIMES, 500 + 2 * TIMES
     again = make_plots(np.tile(TIMES, 2), np.concatenate([x, x - 900]), np.tile(y, 2))

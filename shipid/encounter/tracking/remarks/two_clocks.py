@@ -15,6 +15,8 @@ _ENOUGH, _LONGEST = 20, 60.0
 #: Two tracks are of one ship where they sail as fast within this share, on one course within this angle, rad, and one behind the other:
 #: so many of their standard deviations beside each other at most, and as many and so many times that apart along the course at least.
 _AS_FAST, _ONE_COURSE, _BESIDE, _APART = 0.3, 0.2, 2.0, 3.0
+#: Two tracks sail together for so many times the seconds that they are apart, or one is an echo or a wake behind a ship for a while.
+_TOGETHER = 5.0
 #: Two values have a kurtosis of 1, all of an interval alike 1.8, and chance 3. What lies on two sides lies so much farther along the
 #: course than beside it.
 _TWO_SIDED, _FARTHER = 2.0, 1.5
@@ -74,6 +76,9 @@ def _pair(a: TargetTrack, b: TargetTrack) -> Notice | None:
     faster = abs(np.median(a.speed[at[both]] / b.speed[there[both]]) - 1)
     course = abs(np.median(np.arctan2(turned, np.einsum("ni,ni->n", one[:, 2:], other[:, 2:]))))
     seconds = float(abs(np.median(along / speed)))
+    together = float(np.ptp(a.t[at[both]]))
+    if together < _TOGETHER * seconds:
+        return None
     if faster > _AS_FAST or course > _ONE_COURSE or not 0 < seconds < _LONGEST:
         return None
     least = max(_APART * abs(np.median(across)), _BESIDE * spread)
