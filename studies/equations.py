@@ -3,11 +3,15 @@
 
 Right-hand sides: the declared methods called with plain floats. Jacobians: the same methods called with a complex
 step of 1e-30 (five-point differences where an equation takes the size of an angle or a flow). Simulations: SciPy's
-DOP853 at a relative tolerance of 1e-10 over a zig-zag. Every model with every ship that determines it.
+DOP853 at a relative tolerance of 1e-10 over a zig-zag. Every model with every ship that determines it; the short form takes the
+first ship of each.
+
+    python studies/equations.py [--short] [--json]
 """
 
 from __future__ import annotations
 
+import argparse
 from typing import Any
 
 import casadi as ca
@@ -169,8 +173,14 @@ def sensitivity_deviation(model: Model, speed: float, unit: float, values: Value
 
 def main() -> None:
     """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--short", action="store_true", help="one ship for each model")
+    parser.add_argument("--json", action="store_true", help="print the rows as JSON")
+    given = parser.parse_args()
     rng = np.random.default_rng(1)
     found = pairs()
+    if given.short:
+        found = list({model.name: pair for pair in reversed(found) for model in pair[:1]}.values())
     rows: list[Row] = []
     worst: dict[str, float] = {}
     for model, ship, speed, unit, values in found:
@@ -190,7 +200,7 @@ def main() -> None:
             worst[what] = max(worst.get(what, 0.0), deviation)
     notes = "Largest of each: " + ", ".join(f"{what} {deviation:.1e}" for what, deviation in worst.items()) + "."
     notes += f" {len({m.name for m, *_ in found})} of {len(known_models())} models, {len(found)} pairs."
-    show("Generated equations against an independent evaluation (relative deviations)", rows, notes)
+    show("Generated equations against an independent evaluation (relative deviations)", rows, notes, given.json)
 
 
 if __name__ == "__main__":

@@ -242,13 +242,13 @@ def show(result: dict[str, Any]) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=200)
-    parser.add_argument("--short", action="store_true", help="3 runs of each case at 1 Hz, 2 of those at 10 Hz")
+    parser.add_argument("--short", action="store_true", help="2 runs of each case")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     results = []
     with threadpool_limits(1, "blas"):
         for case in CASES:
-            runs = (3 if case.sampling == 1.0 else 2) if options.short else options.runs
+            runs = 2 if options.short else options.runs
             # Times of a few runs scatter.
             results.append(
                 measure(case, runs, min(runs, 2 if options.short else 20), 2.5 if options.short else SLOWEST)
