@@ -86,7 +86,10 @@ def _from_the_order(identified: Identified, comparison: Comparison, circle: Turn
     if ordered is None:
         return comparison
     start = ordered - _APPROACH * scale_before(identified.ship, trial).unit_time
-    return comparison if start <= trial["t"][0] else replace(comparison, trial=trial.window(start, None))
+    if start <= trial["t"][0]:
+        return comparison
+    # The initial state that was found is that of the beginning of the record.
+    return replace(comparison, trial=trial.window(start, None), initial={})
 
 
 def _over(
