@@ -47,7 +47,9 @@ def test_a_turn_is_predicted_from_its_order_however_long_the_approach(fit, sail)
     """A ship that holds her course against a wind by rudder is not turned by it for the length of her approach."""
     trial = sail("de-keizer", "soesterberg", "turn:20", noise="none", name="turn")
     t = np.arange(400) * trial.sampling
-    ahead = trial.table.iloc[[0] * t.size].assign(t=t, psi=0.0, delta=np.radians(-7.0))
+    ahead = trial.table.iloc[[0] * t.size].assign(
+        t=t, psi=0.0, delta=np.radians(-7.0), u=np.linspace(0.8, 1.0, t.size) * trial["u"][0]
+    )
     whole = trial.table.assign(t=trial["t"] + t[-1] + trial.sampling)
     long = replace(trial, name="held", table=pd.concat([ahead, whole], ignore_index=True))
     fit = fit.validate([trial, long])
