@@ -28,7 +28,15 @@ from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
 from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.tracks.order import unwrapped
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, met_words, number, parts_in_wind
+from shipid.trials.manoeuvres.flows import (
+    Flow,
+    check_flows,
+    flow_inputs,
+    logged_beside,
+    met_words,
+    number,
+    parts_in_wind,
+)
 from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
 from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
@@ -142,7 +150,7 @@ def sail(
         "u": u0,
         "cruise": u0,
         **flow_inputs(current, wind),
-        **stated_inputs(whole, inputs),
+        **(held := stated_inputs(whole, inputs)),
     }
     acting["psi_order"] = np.select([t >= w for w, _ in reversed(orders)], [h for _, h in reversed(orders)], course)
     lost = [n for n in values or {} if n not in (*whole.parameters, *whole.constants)]
@@ -170,11 +178,13 @@ def sail(
         )
     deviations = parse_noise(noise)
     table = measured({n: run[q][::fine] for n, q in recorded.items()}, t[::fine], deviations, seed)
+    beside, units = logged_beside(truth, wind, held)
+    table = table.assign(**{n: value for n, value in beside.items() if n not in table})
     said = ", ".join(f"{shown(h % (2 * np.pi), 'psi')} at {w:.4g} s" for w, h in orders)
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {truth.name}, ship {pilot.ship.name}, autopilot "
         f"({pilot.design}) ordered {said}, {u0:.4g} m/s, noise {noise_words(deviations)}, seed {seed}"
-        f"{met_words(current, wind, waves, driven_by(truth)[1])}"
+        f"{met_words(current, wind, waves, driven_by(truth)[1], values)}"
     )
     told = beyond_in_run(truth, pilot.ship, u0, {n: run[q] for n, q in recorded.items()})
     return Trial(
@@ -182,6 +192,7 @@ def sail(
         table,
         Source(simulated=True, comment=comment, notes=(comment, *told)),
         ship=pilot.ship.name,
+        units=units,
     )
 
 

@@ -34,7 +34,15 @@ from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.sailing.voyage import LimitLeft, Voyage, WheelOverDone
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, met_words, number, parts_in_wind
+from shipid.trials.manoeuvres.flows import (
+    Flow,
+    check_flows,
+    flow_inputs,
+    logged_beside,
+    met_words,
+    number,
+    parts_in_wind,
+)
 from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
 from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
@@ -165,8 +173,9 @@ def sail_route(
         _, driven = with_waves(truth, waves, known, {}, pilot.length, u0, interval / run.fine, size, seed)
         run.pushed, run.waves = pushed, np.asarray(driven[pushed]).reshape(-1, run.fine)
     run.sail(end)
-    met = met_words(current, wind, waves, driven_by(truth)[1])
-    return _voyage(run, pilot, route, parse_noise(noise), seed, met, told, name or route.name)
+    met = met_words(current, wind, waves, driven_by(truth)[1], values)
+    beside = logged_beside(truth, wind, {n: acting[n] for n in inputs or {}})
+    return _voyage(run, pilot, route, parse_noise(noise), seed, met, told, name or route.name, beside)
 
 
 def _speed(pilot: Autopilot, route: Route, speed: str | float | None, told: list[str]) -> float:
@@ -332,6 +341,7 @@ def _voyage(
     met: str,
     told: list[str],
     name: str,
+    beside: tuple[dict[str, float], dict[str, str]],
 ) -> Voyage:
     ship, plan = run.ship, run.helm.plan
     columns = {n: np.array([s[n] for s in run.samples]) for n in run.samples[0]}
@@ -345,6 +355,7 @@ def _voyage(
     if run.waves is not None and run.pushed == "wave_noise":
         seen |= {"psi": "psi_seen", "r": "r_seen"}
     table = measured({n: columns[q] for n, q in seen.items()}, t, deviations, seed)
+    table = table.assign(**{n: value for n, value in beside[0].items() if n not in table})
     table = table.assign(psi_order=columns["psi_order"], off_track=off, waypoint=(to + 1).astype(float))
     arrived = run.helm.phase == "arrived"
     if not arrived:
@@ -357,7 +368,7 @@ def _voyage(
         f"noise {noise_words(deviations)}, seed {seed}{met}{origin}"
     )
     source = Source(simulated=True, comment=comment, notes=(comment, *told), origin=route.origin)
-    units = {"psi_order": "rad", "off_track": "m", "waypoint": "1"}
+    units = beside[1] | {"psi_order": "rad", "off_track": "m", "waypoint": "1"}
     return Voyage(
         Trial(name, table, source, ship=ship.pilot.ship.name, units=units),
         route,

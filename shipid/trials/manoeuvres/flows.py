@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -10,7 +11,9 @@ import numpy as np
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import Typed, to_si
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UsageError
+from shipid.parameters.held_inputs import held_inputs
 from shipid.parts.wind import Wind
 
 #: A current, a wind or waves: ``"3 kn to 30 deg"``, or a size and the direction they flow TO, each with a unit or in SI.
@@ -87,7 +90,13 @@ def said_of(flow: Flow, unit: str = "m/s") -> str:
     return f"{size} to {direction}"
 
 
-def met_words(current: Flow | None, wind: Flow | None, waves: Flow | None, unit_of_waves: str = "rad") -> str:
+def met_words(
+    current: Flow | None,
+    wind: Flow | None,
+    waves: Flow | None,
+    unit_of_waves: str = "rad",
+    values: Mapping[str, str | float] | None = None,
+) -> str:
     """Return what a simulated ship met in words, as ``"; wind 10 m/s from 270 deg"``; empty for nothing.
 
     Parameters
@@ -96,9 +105,12 @@ def met_words(current: Flow | None, wind: Flow | None, waves: Flow | None, unit_
         See `said_of`.
     unit_of_waves : str
         Of the size of the waves, SI.
+    values : mapping of str to str or float, optional
+        Values of the ship that were replaced.
     """
+    replaced = "".join(f"; {n} {value}" for n, value in (values or {}).items())
     all_of_it = (("current", current, "m/s"), ("wind", wind, "m/s"), ("waves", waves, unit_of_waves))
-    return "".join(f"; {what} {said_of(flow, unit)}" for what, flow, unit in all_of_it if flow is not None)
+    return replaced + "".join(f"; {what} {said_of(flow, unit)}" for what, flow, unit in all_of_it if flow is not None)
 
 
 def check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
@@ -151,3 +163,34 @@ def flow_inputs(current: Flow | None, wind: Flow | None) -> dict[str, float]:
     if (flow := flow_of(wind, "wind")) is not None:
         inputs["wind_speed"], inputs["wind_direction"] = flow
     return inputs
+
+
+def logged_beside(
+    model: Model, wind: Flow | None, values: Mapping[str, float]
+) -> tuple[dict[str, float], dict[str, str]]:
+    """Return what the log of a simulated ship has besides her sensors: the wind, as an anemometer shows it, and the held inputs.
+
+    The wind is logged as well where the model does not read it: whoever reads the log has to know what she met.
+
+    Parameters
+    ----------
+    model : Model
+        The ship model.
+    wind : str or tuple, optional
+        See `flow_of`.
+    values : mapping of str to float
+        Inputs that are held, and the ship's values of the constants that hold them, SI.
+
+    Returns
+    -------
+    columns : dict of str to float
+        SI.
+    units : dict of str to str
+        Of those columns that are not in the vocabulary.
+    """
+    known = {n: model[n].number("default") for n in held_inputs(model).values()} | dict(values)
+    told = {n: known[c] for n, c in held_inputs(model).items()} | {n: known[n] for n in model.inputs if n in known}
+    if (flow := flow_of(wind, "wind")) is not None:
+        told |= {"wind_speed": flow[0], "wind_direction": flow[1] % (2 * np.pi)}
+    columns = {n: float(value) for n, value in told.items() if value is not None}
+    return columns, {n: model[n].unit for n in columns if n not in FIELDS}

@@ -13,12 +13,11 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
-from shipid.parameters.held_inputs import held_inputs, hold_inputs
+from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
@@ -26,7 +25,16 @@ from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
 from shipid.parts.sensors import shown_by
 from shipid.parts.waves import Waves
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, met_words, number, parts_in_wind
+from shipid.trials.manoeuvres.flows import (
+    Flow,
+    check_flows,
+    flow_inputs,
+    flow_of,
+    logged_beside,
+    met_words,
+    number,
+    parts_in_wind,
+)
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
 from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, driven_by, froude_share, wave_noise
@@ -190,11 +198,8 @@ def simulate(
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if reading.get(n) == n}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
     # What was held is known, and what reads the trial needs it: the loading, the revolutions of the propeller.
-    held = {n: float(known[constant]) for n, constant in held_inputs(model).items() if n not in table}
-    # A model that reads the wind itself takes it from the log again.
-    told = flow_inputs(None, wind)
-    held |= {n: v % (2 * np.pi) if n == "wind_direction" else v for n, v in told.items() if n in model.inputs}
-    table = table.assign(**held)
+    beside, units = logged_beside(model, wind, known)
+    table = table.assign(**{n: value for n, value in beside.items() if n not in table})
     met = met_words(current, wind, waves, unit_of_waves)
     met += "".join(f"; {n} {value} held" for n, value in (inputs or {}).items())
     changed = "".join(f", {n} {value}" for n, value in (values or {}).items())
@@ -205,7 +210,6 @@ def simulate(
     # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
     notes = beyond_in_run(model, ship, u0, columns, known=True)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
-    units = {n: model[n].unit for n in held if n not in FIELDS}
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship.name, units
     )

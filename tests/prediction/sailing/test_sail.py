@@ -51,6 +51,8 @@ def test_weather_acts(pilot):
     drifted = sail(pilot, "60 deg", duration=300, current=("1 m/s", "90 deg"))
     np.testing.assert_allclose(drifted.table["y"] - calm.table["y"], calm.table["t"], atol=1e-6)
     windy = sail(pilot, "60 deg", duration=300, wind=("15 m/s", "135 deg"))
+    np.testing.assert_allclose(windy["wind_speed"], 15.0)
+    np.testing.assert_allclose(windy["wind_direction"], np.deg2rad(135))
     assert np.abs(windy.table["psi"] - calm.table["psi"]).max() > np.deg2rad(0.5)
     rough = sail(pilot, 0.0, duration=2000, waves=("0.5 deg", "120 deg"), seed=4)
     assert np.rad2deg(rough.table["psi"].std()) == pytest.approx(0.5, rel=0.35)
@@ -60,6 +62,7 @@ def test_another_ship_is_steered_by_the_same_gains(pilot):
     other = sail(pilot, "60 deg", model="van-leeuwen", ship="soesterberg")
     assert np.rad2deg(other.table["psi"].iloc[-1]) == pytest.approx(60, abs=0.5)
     harder = sail(pilot, "60 deg", values={"K": 3.0})
+    assert "K 3.0" in harder.source.comment
     assert harder.table["r"].max() > 1.2 * sail(pilot, "60 deg").table["r"].max()
 
 

@@ -39,6 +39,7 @@ def test_current_wind_and_waves(pilot, calm):
     weather = {"current": ("1.2 m/s", "100 deg"), "wind": ("10 m/s", "30 deg"), "waves": ("0.3 deg", "30 deg")}
     voyage = sail_route(pilot, tour(), **weather, seed=3)
     assert voyage.arrived and voyage.statistics["legs"][0] < 25
+    assert np.allclose(voyage.trial["wind_speed"], 10.0) and not calm.trial.has("wind_speed")
     assert voyage.trial["t"][-1] != pytest.approx(calm.trial["t"][-1], rel=1e-3)
     # The heading that is recorded has the waves in it, the order has not.
     ahead = slice(100, 250)

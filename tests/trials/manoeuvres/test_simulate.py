@@ -204,6 +204,10 @@ def test_wind_turns_the_ship() -> None:
     # On the approach, r' = 2 N_w V_ahead V_aside from the start, less what a quarter second of damping takes.
     ahead, aside = 15 * np.cos(60 * DEG) - 9.5, 15 * np.sin(60 * DEG)
     assert blown["r"][1] / 0.25 == pytest.approx(2e-7 * ahead * aside, rel=0.01)
+    # Without the wind in the log, a reader takes it for a calm day.
+    np.testing.assert_allclose(blown["wind_speed"], 15.0)
+    np.testing.assert_allclose(blown["wind_direction"], 60 * DEG)
+    assert not calm.has("wind_speed")
     # and u' = F_w L V_ahead |V|
     assert (blown["u"][1] - 9.5) / 0.25 == pytest.approx(1e-7 * 226 * ahead * np.hypot(ahead, aside), rel=0.01)
 
