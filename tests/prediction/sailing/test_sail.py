@@ -136,7 +136,7 @@ def test_waves_with_a_moment_move_the_ship_that_is_steered(pilot):
     model = shipid.join("in a sea", DeKeizer, VanLeeuwenSway, PlanarMotion, WaveMoment)
     values = {"H_g": "1e-4 rad/m/s^2"}
     moved = sail(pilot, "0 deg", model=model, waves="2 m from 45 deg", values=values, duration="300 s")
-    assert moved.source.comment.endswith("9.5 m/s, noise none, seed 0; waves 2 m from 45 deg")
+    assert moved.source.comment.endswith("9.5 m/s, noise none, seed 0; H_g 1e-4 rad/m/s^2; waves 2 m from 45 deg")
     assert np.std(moved["delta"]) > np.deg2rad(0.02) and np.std(moved["r"]) > np.deg2rad(0.002)
     places = (Waypoint((0.0, 0.0), "A"), Waypoint((6000.0, 0.0), "B"))
     route = Route("straight", places, geographic=False)
