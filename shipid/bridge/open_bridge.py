@@ -200,7 +200,7 @@ def open_bridge(
     """
     try:
         from shipid.bridge.server.guard import is_loopback
-        from shipid.bridge.server.serve import listening
+        from shipid.bridge.server.serve import listening, reached_at
     except ImportError:
         raise MissingExtraError("the bridge", "starlette, uvicorn and websockets", "bridge") from None
     if token is None and not is_loopback(host):
@@ -214,10 +214,7 @@ def open_bridge(
                 settings.record, parts.pilot.ship.name, settings.source, simulated=parts.source.kind == "simulate"
             )
         core = _core_of(settings, parts, recorder)
-        shown = f"[{host}]" if ":" in host else host
-        address = f"http://{shown}:{listener.getsockname()[1]}/" + (
-            "" if token is None else f"?token={quote(token, safe='')}"
-        )
+        address = f"http://{reached_at(listener, host)}/" + ("" if token is None else f"?token={quote(token, safe='')}")
         yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record, parts.notes)
     finally:
         listener.close()

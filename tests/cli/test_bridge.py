@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import time
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -79,9 +80,9 @@ def test_it_opens_says_where_and_ends_cleanly(opened, tmp_path, number, code):
 def test_another_host_gets_a_token(opened):
     bridge = opened("--host", "0.0.0.0")
     assert "?token=" in bridge.address
-    port = bridge.address.split(":")[2].split("/")[0]
-    assert answer_of(f"http://127.0.0.1:{port}/").status_code == 403
-    assert answer_of(bridge.address.replace("0.0.0.0", "127.0.0.1")).status_code == 200
+    place = urlsplit(bridge.address)
+    assert answer_of(f"http://127.0.0.1:{place.port}/").status_code == 403
+    assert answer_of(bridge.address.replace(str(place.hostname), "127.0.0.1")).status_code == 200
     bridge.end()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import ipaddress
 import signal
 import socket
 from collections.abc import Callable, Iterator
@@ -54,6 +55,37 @@ def listening(host: str, port: int) -> socket.socket:
         raise UsageError(f"port {port} of {host} {why}. Choose another --port or --host.") from None
     made.setblocking(False)
     return made
+
+
+def reached_at(listener: socket.socket, host: str) -> str:
+    """Return the address to open in a browser, without a scheme: name or address, and port.
+
+    Where every address of this machine is served, no browser elsewhere can open that: this machine's own address in its
+    network is named instead, where it is known.
+
+    Parameters
+    ----------
+    listener : socket
+        From `listening`.
+    host : str
+        The host that is served.
+    """
+    every = {socket.AF_INET: "0.0.0.0", socket.AF_INET6: "::"}.get(listener.family)
+    if listener.getsockname()[0] == every:
+        host = _own_address(listener.family) or host
+    return f"[{host}]:{listener.getsockname()[1]}" if ":" in host else f"{host}:{listener.getsockname()[1]}"
+
+
+def _own_address(family: int) -> str | None:
+    """The address from which this machine would send to another network, or else that of its name; nothing is sent."""
+    elsewhere = "192.0.2.1" if family == socket.AF_INET else "2001:db8::1"
+    with contextlib.suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as made:
+        made.connect((elsewhere, 9))
+        return str(made.getsockname()[0])
+    with contextlib.suppress(OSError):
+        named = [str(found[4][0]) for found in socket.getaddrinfo(socket.gethostname(), None, family)]
+        return next((a for a in named if not ipaddress.ip_address(a.split("%")[0]).is_loopback), None)
+    return None
 
 
 class _Server(uvicorn.Server):

@@ -47,7 +47,12 @@ if TYPE_CHECKING:
     metavar="A|B|C|D",
     help="Of the experiment: planned track; ground-speed vector; predictor (the default); track pilot.",
 )
-@click.option("--host", default="127.0.0.1", show_default=True, help="Address to serve at; another needs a token.")
+@click.option(
+    "--host",
+    default="127.0.0.1",
+    show_default=True,
+    help="Address to serve at: 0.0.0.0 for a tablet too, with a token.",
+)
 @click.option("--port", default=8000, show_default=True, type=click.IntRange(0, 65535), help="Port; 0 for any.")
 @click.option("--token", metavar="TEXT", help="What the page has to show; made up where another host is served.")
 @click.option("--record", metavar="FILE", help="Trial file (CSV) that every sample is added to.")
@@ -94,7 +99,8 @@ def bridge(
 ) -> ExitCode:
     """Open the bridge page of a ship: her planned track, her past one and her predicted one. NOT FOR NAVIGATION.
 
-    The page is served to this machine only, and steers nothing but its simulator. Ctrl-C ends it.
+    The page is served to this machine only, unless --host names another of its addresses (0.0.0.0: all), and steers nothing but its
+    simulator. Ctrl-C ends it.
 
     \b
     shipid bridge

@@ -16,7 +16,7 @@ from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.open_bridge import open_bridge
 from shipid.bridge.server.clients import LONGEST_COMMAND, CommandRate, parsed_command
 from shipid.bridge.server.guard import HEADERS, is_loopback
-from shipid.bridge.server.serve import LONGEST_MESSAGE, listening
+from shipid.bridge.server.serve import LONGEST_MESSAGE, listening, reached_at
 from shipid.bridge.server.signalk_out import delta_of
 from shipid.foundation.errors import UsageError
 
@@ -267,3 +267,29 @@ def test_what_is_this_machine():
 def test_the_address_holds_the_token_as_a_link_needs_it():
     with open_bridge(BridgeSettings(), "127.0.0.1", 0, token="a&b c") as opened:
         assert opened.address.endswith("/?token=a%26b%20c")
+
+
+@pytest.mark.parametrize(
+    ("host", "routed", "named", "shown"),
+    [
+        ("0.0.0.0", "192.168.1.7", "127.0.1.1", "192.168.1.7"),
+        ("0.0.0.0", None, "10.0.0.4", "10.0.0.4"),
+        ("0.0.0.0", None, "127.0.1.1", "0.0.0.0"),
+        ("127.0.0.1", "192.168.1.7", "10.0.0.4", "127.0.0.1"),
+    ],
+)
+def test_the_address_that_is_told_can_be_opened_on_a_tablet(monkeypatch, host, routed, named, shown):
+    """Nothing but this machine can open http://0.0.0.0:8000/."""
+    with listening(host, 0) as listener:
+
+        class Datagrams(socket.socket):
+            def connect(self, address):
+                if routed is None:
+                    raise OSError("the network is unreachable")
+
+            def getsockname(self):
+                return routed, 9
+
+        monkeypatch.setattr(socket, "socket", Datagrams)
+        monkeypatch.setattr(socket, "getaddrinfo", lambda *a: [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (named, 0))])
+        assert reached_at(listener, host) == f"{shown}:{listener.getsockname()[1]}"

@@ -142,4 +142,4 @@ def test_waves_with_a_moment_move_the_ship_that_is_steered(pilot):
     route = Route("straight", places, geographic=False)
     voyage = sail_route(pilot, route, model=model, waves="2 m from 45 deg", values=values, duration="200 s")
     assert np.std(voyage.trial["r"]) > np.deg2rad(0.002)
-    assert "noise none, seed 0; waves 2 m from 45 deg" in voyage.trial.source.comment
+    assert "noise none, seed 0; H_g 1e-4 rad/m/s^2; waves 2 m from 45 deg" in voyage.trial.source.comment
