@@ -130,9 +130,11 @@ def test_each_mode_turns_its_own_setting(bridge, open_page, until):
     compass.click(position={"x": compass.bounding_box()["width"] - 30, "y": compass.bounding_box()["height"] / 2})
     wait_for(bridge, page, "trial", heading=90 * DEG)
     said = page.evaluate(
-        "async () => (await import('/static/script/console/settings.js')).inWords({mode: 'rate', rate: 0.01, heading: 0, rudder_limit: 0.2})"
+        "async () => { const { inWords } = await import('/static/script/console/settings.js'); "
+        "return ['rate', 'track'].map((mode) => inWords({mode, rate: 0.01, heading: 0, rudder_limit: 0.2})); }"
     )
-    assert said == "rate 34.4°/min to 000.0°, limit 11°"
+    # No limit of the track pilot: it goes 60 % beyond in a turn that gets too wide.
+    assert said == ["rate 34.4°/min to 000.0°, limit 11°", "track pilot, turns planned with 11°"]
     page.get_by_role("radio", name="Track", exact=True).click()
     until(page, "document.querySelector('.follow').textContent === 'next 075.0°'")
     assert page.get_by_role("slider", name="Trial heading").get_attribute("aria-disabled") == "true"

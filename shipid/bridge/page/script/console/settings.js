@@ -31,7 +31,8 @@ export function inWords(set) {
   const limit = known(set.rudder_limit) ? `, limit ${(set.rudder_limit / DEG).toFixed(0)}°` : "";
   if (set.mode === "rudder") return `rudder ${rudder(set.rudder)}`;
   if (set.mode === "rate") return `rate ${perMinute(set.rate)}°/min to ${direction(set.heading)}${limit}`;
-  if (set.mode === "track") return `track pilot${limit}`;
+  // The track pilot gives more rudder than planned where a turn gets too wide: it is no limit.
+  if (set.mode === "track") return `track pilot, turns planned with ${(set.rudder_limit / DEG).toFixed(0)}°`;
   return `heading ${direction(set.heading)}${limit}`;
 }
 
