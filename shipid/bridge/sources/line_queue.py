@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections import deque
 
 #: A line is no longer than this, in bytes: a sentence has 82, a TAG block before it as many again. So many lines wait at most.
 LONGEST_LINE, _MOST = 1024, 4000
+#: What a sentence or its TAG block begins with, and what a whole one ends with; so many senders are remembered.
+_STARTS, _FINISHED, _MOST_SENDERS = (b"$", b"!", b"\\"), re.compile(rb"\*[0-9A-Fa-f]{2}\s*$"), 500
 
 
 class LineQueue:
@@ -61,3 +64,41 @@ class LineQueue:
         self._lines.clear()
         self.dropped = 0
         return lines, dropped
+
+
+class SplitLines:
+    """Joins the lines of datagrams that end inside a sentence, as those of a serial port on a network do.
+
+    What a sender left unfinished belongs to its next datagram, unless that begins a sentence. A sender that was never seen to split
+    a line is not waited for: many send a line without its end.
+    """
+
+    def __init__(self) -> None:
+        #: By sender: what was left unfinished, and whether it waits.
+        self._rests: dict[str, tuple[bytes, bool]] = {}
+        self._splitting: set[str] = set()
+
+    def joined(self, data: bytes, sender: str) -> bytes:
+        """Return the lines that a datagram completes.
+
+        Parameters
+        ----------
+        data : bytes
+            The datagram.
+        sender : str
+            Who sent it.
+        """
+        rest, waits = self._rests.pop(sender, (b"", False))
+        if rest and not data.startswith(_STARTS):
+            self._splitting.add(sender)
+            data = rest + data
+        elif waits:
+            data = rest + b"\n" + data
+        lines, end, rest = data.rpartition(b"\n")
+        if not rest or _FINISHED.search(rest) or len(rest) > LONGEST_LINE:
+            return data
+        if max(len(self._rests), len(self._splitting)) >= _MOST_SENDERS:
+            self._rests, self._splitting = {}, set()
+        waits = sender in self._splitting
+        self._rests[sender] = rest, waits
+        return lines + end if waits else data

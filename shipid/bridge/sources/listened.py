@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState, Target
 from shipid.bridge.sources.hosts import check_host, why_not_reached
-from shipid.bridge.sources.line_queue import LineQueue
+from shipid.bridge.sources.line_queue import LineQueue, SplitLines
 from shipid.bridge.sources.radar_targets import target_of
 from shipid.bridge.sources.senders import Senders
 from shipid.foundation.errors import UsageError
@@ -200,8 +200,9 @@ class _Datagrams(asyncio.DatagramProtocol):
     """Datagrams of sentences."""
 
     def __init__(self, queue: LineQueue, senders: Senders) -> None:
-        self._queue, self._senders = queue, senders
+        self._queue, self._senders, self._split = queue, senders, SplitLines()
 
     def datagram_received(self, data: bytes, addr: tuple[str | int, ...]) -> None:
         """Take a datagram."""
-        self._queue.feed(self._senders.kept(data, f"{addr[0]}:{addr[1]}"), whole=True)
+        sender = f"{addr[0]}:{addr[1]}"
+        self._queue.feed(self._senders.kept(self._split.joined(data, sender), sender), whole=True)

@@ -19,7 +19,7 @@ import shipid
 from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.core.console import SteeringOrder
 from shipid.bridge.sources import listened, signalk
-from shipid.bridge.sources.line_queue import LineQueue
+from shipid.bridge.sources.line_queue import LineQueue, SplitLines
 from shipid.bridge.sources.listened import ListenedSource
 from shipid.bridge.sources.radar_targets import target_of
 from shipid.bridge.sources.replayed import ReplayedSource
@@ -248,6 +248,20 @@ def test_of_two_that_send_one_sentence_over_udp_one_is_heard():
     assert b"TTM" in senders.kept(sentence("RATTM,07"), "a:1") and senders.kept(b"x", "a:1") == b"x"
     for port in range(2000):
         assert senders.kept(sentence("TIROT,0.0,A"), f"c:{port}")
+
+
+def test_sentences_that_datagrams_cut_are_put_together_by_sender():
+    """A serial port on a network sends so many bytes at once: position and speed were taken to be lost."""
+    split, whole = SplitLines(), b"".join(spoken(0.0)) * 3
+    pieces = [whole[i : i + 37] for i in range(0, len(whole), 37)]
+    # Another sender between them ends no line at all, and is not waited for.
+    heard = [(split.joined(p, "a:1"), split.joined(b"$HEHDT,90.0,T", "b:2")) for p in pieces]
+    assert all(other == b"$HEHDT,90.0,T" for _, other in heard)
+    # Of the first datagram it was not known yet that its sender cuts.
+    assert b"".join(own for own, _ in heard[1:]) == whole[whole.rindex(b"$", 0, 37) :]
+    # What waits is let through when a new sentence begins.
+    split.joined(b"$HEHDT,1", "a:1"), split.joined(b"2.0,T*", "a:1")
+    assert split.joined(b"$HEROT,1.0,A*00\n", "a:1").startswith(b"$HEHDT,12.0,T*\n$HEROT")
 
 
 def test_a_connection_on_which_nothing_comes_is_made_anew(monkeypatch):
