@@ -74,7 +74,7 @@ def track_page(found: PredictedTrack) -> Page:
     found : PredictedTrack
         The track.
     """
-    view = {"figure": track_figure(found, "track"), "along": along_figure(found)}
+    view = {"figure": track_figure(found, "track"), "along": along_figure(found), "route": False, "chart": None}
     section = Section("Track", "prediction/plan.html", view)
     return Page("Predicted track", [("", _lines(found.text()))], [section], footer=f"shipid {shipid.__version__}")
 
