@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shipid.campaign.moments import Statistic
+from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import display_factor, display_unit
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import counted, number
+from shipid.foundation.numbers import counted, estimate, number
 from shipid.foundation.result import DrawnResult
 
 if TYPE_CHECKING:
@@ -85,7 +87,8 @@ def summary(found: Statistic) -> str:
     found : Statistic
         Of a measure.
     """
-    unit = "" if found.measure.unit == "1" else f" {found.measure.unit}"
+    inside = found.measure.unit
+    unit, factor = "" if inside == "1" else f" {pretty(display_unit('', inside))}", display_factor("", inside)
     tail = f"; missing in {found.missing} of {found.runs} runs" if found.missing else ""
     if found.texts is not None:
         most = list(found.texts.items())
@@ -94,17 +97,20 @@ def summary(found: Statistic) -> str:
             + (", ..." if most[6:] else "")
             + tail
         )
-    mean = f"{number(found.mean)}{_interval(found.mean_interval)}{unit}"
+    mean = _estimate(found.mean, found.mean_interval, factor) + unit
     if found.measure.kind == "error":
-        return f"RMSE {number(found.rmse)}{_interval(found.rmse_interval)}{unit}, mean error {mean}{tail}"
+        return f"RMSE {_estimate(found.rmse, found.rmse_interval, factor)}{unit}, mean error {mean}{tail}"
     if found.measure.kind == "nees":
-        band = f", consistent{_interval(found.expected_interval)}" if found.expected_interval else ""
+        ends = found.expected_interval
+        band = f", consistent ({number(ends[0], 3)} to {number(ends[1], 3)})" if ends else ""
         return f"mean {mean} of {found.measure.degrees} degrees of freedom{band}{tail}"
     if found.measure.kind == "event":
         return f"share {mean}{tail}"
-    spread = f", standard deviation {number(found.std)}{unit}, from {number(found.low)} to {number(found.high)}"
+    std, low, high = (number(None if v is None else v * factor, 3) for v in (found.std, found.low, found.high))
+    spread = f", standard deviation {std}{unit}, from {low} to {high}"
     return f"mean {mean}{spread}{tail}"
 
 
-def _interval(ends: tuple[float, float] | None) -> str:
-    return "" if ends is None or ends[0] != ends[0] else f" ({number(ends[0])} to {number(ends[1])})"
+def _estimate(value: float | None, ends: tuple[float, float] | None, factor: float) -> str:
+    shown, between = estimate(value, ends, factor)
+    return f"{shown} ({between})" if between else shown

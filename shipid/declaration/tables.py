@@ -234,7 +234,7 @@ def read_table(path: Path, what: str, error: type[ShipidError]) -> Table:
             raise error(f"the {what} {path} is larger than {_LARGEST_FILE} bytes. Check that it is the right file.")
         content = tomllib.loads(data.decode("utf-8-sig").replace("\r\n", "\n"))
     except OSError as failed:
-        raise error(f"the {what} {path} cannot be read: {failed.strerror}.") from None
+        raise error(f"the {what} {path} cannot be read: {failed.strerror}. Check the path.") from None
     except RecursionError:
         raise error(f"the {what} {path} is nested deeper than {_DEEPEST} tables.") from None
     except ValueError as failed:  # no TOML, no UTF-8, or a whole number of thousands of digits

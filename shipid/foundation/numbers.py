@@ -174,6 +174,29 @@ def interval(ends: tuple[float, float] | None, std: float | None) -> str:
     return f"({low} to {high}) × 10{str(power).translate(_SUPERSCRIPT)}" if power else f"{low} to {high}"
 
 
+def estimate(value: float | None, ends: tuple[float, float] | None, factor: float = 1.0) -> tuple[str, str]:
+    """Return a value and its 95 % interval, both to the second digit of the standard deviation that the interval stands for.
+
+    Parameters
+    ----------
+    value : float or None
+        The value.
+    ends : tuple of float or None
+        Both ends; the interval is empty where they are not known, and the value has three digits.
+    factor : float
+        Of the unit shown.
+    """
+    if value is None or ends is None or not all(_is_number(e) for e in (value, *ends)) or ends[0] == ends[1]:
+        return number(None if value is None else value * factor, 3), ""
+    low, high = sorted(end * factor for end in ends)
+    std = (high - low) / 4
+    power, place = _place(value * factor, std)
+    shown = (
+        number(value * factor, _MOST_DIGITS) if place is None else _join(_fixed(value * factor, power, place), power)
+    )
+    return shown, interval((low, high), std)
+
+
 def _is_number(value: float) -> bool:
     return isfinite(value) and abs(value) <= _LARGEST
 

@@ -21,6 +21,8 @@ from shipid.trials.trial import Trial
 if TYPE_CHECKING:
     import pandas as pd
 
+#: So many overshoots stand in the text; all are on the page.
+_FIRST = 4
 #: The turns of a wheelhouse poster.
 QUARTERS = (90, 180, 270, 360)
 
@@ -159,9 +161,10 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
             ratio = f" ({number(value / length, 3)} L)" if value is not None and length else ""
             yield f"{name.replace('_', ' ')} {told(name)}{ratio}"
     elif "overshoots" in shown:
-        values = [v for v in shown["overshoots"][0] or ()]
-        listed = ", ".join("not known" if v is None else fixed(v, 2) for v in values[:4])
-        yield f"overshoots {listed or 'none'} deg; period {told('period')}"
+        values = shown["overshoots"][0] or ()
+        listed = ", ".join("not known" if v is None else fixed(v, 2) for v in values[:_FIRST])
+        left = f" (the first {_FIRST} of {len(values)})" if len(values) > _FIRST else ""
+        yield f"overshoots {listed or 'none'} deg{left}; period {told('period')}"
     elif "loop_width" in shown:
         why = measures.reasons.get("loop_width")
         yield f"loop width {told('loop_width')}, loop height {told('loop_height')}" + (f": {why}" if why else "")

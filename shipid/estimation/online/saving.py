@@ -94,7 +94,7 @@ def read_state(path: Path, fingerprint: str, what: str) -> dict[str, Plain]:
             raise not_a_state(path, what)
         state = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}.") from None
+        raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}. Check the path.") from None
     except (ValueError, RecursionError):
         raise not_a_state(path, what) from None
     if not isinstance(state, dict) or not {"schema", "filter", "carried"} <= state.keys():

@@ -81,7 +81,7 @@ def read_chart(path: str | Path, origin: tuple[float, float], *, reach: float = 
         with file.open("rb") as stream:
             data = stream.read(LARGEST + 1)
     except OSError as error:
-        raise MissingFileError(f"{where} cannot be read: {error.strerror}.") from None
+        raise MissingFileError(f"{where} cannot be read: {error.strerror}. Check the path.") from None
     if len(data) > LARGEST:
         raise ChartSizeError(f"{where} is larger than {LARGEST // 1_000_000} MB. Cut out the area that is sailed.")
     told: list[Notice] = []

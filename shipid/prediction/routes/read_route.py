@@ -45,7 +45,7 @@ def read_route(path: str | Path) -> Route:
         with file.open("rb") as stream:
             data = stream.read(LARGEST + 1)
     except OSError as error:
-        raise MissingFileError(f"'{file}' cannot be read: {error.strerror}.") from None
+        raise MissingFileError(f"'{file}' cannot be read: {error.strerror}. Check the path.") from None
     if len(data) > LARGEST:
         raise RouteSizeError(f"'{file}' is larger than {LARGEST // 1_000_000} MB, which no route is.")
     where = f"'{file}'"

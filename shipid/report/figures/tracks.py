@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
+from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import display_unit, label, to_display
 from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.figures.hull import outline
 from shipid.report.figures.plan_view import draw_chart, draw_route
 from shipid.report.figures.svg import BLUE, MUTED, WIDTH, legend, panel_size, svg
@@ -19,6 +22,8 @@ if TYPE_CHECKING:
     from shipid.prediction.routes.route_turn import RouteTurn
 
 _COLOUR = BLUE
+#: What the chart along the track shows.
+_ALONG = (("psi", "rad"), ("r", "rad/s"), ("u", "m/s"), ("delta", "rad"))
 #: Time between two ticks in s: the first that gives no more than a dozen.
 _TICKS = (30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 
@@ -106,3 +111,21 @@ def _view(
 
 def _words(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 60 else f"{seconds / 60:.0f} min"
+
+
+def along_figure(track: PredictedTrack) -> Markup:
+    """Return what the ship does along a predicted track, against time.
+
+    Parameters
+    ----------
+    track : PredictedTrack
+        The track.
+    """
+    panels = []
+    for name, unit in _ALONG:
+        values = to_display(getattr(track, name), name, unit)
+        if name == "psi":
+            # Continued where the ship turns through north, so that she ends in compass degrees: what was ordered is read there.
+            values = values - 360 * np.floor(values[-1] / 360)
+        panels.append(Axes(label(name), pretty(display_unit(name, unit)), [Line("", track.t, values)]))
+    return chart(panels, "Time since the order [s]", "along", "Heading, rate of turn, speed and rudder along the track")

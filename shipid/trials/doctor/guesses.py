@@ -179,6 +179,8 @@ def _with_names(record: LenientRecord) -> tuple[LenientRecord, dict[str, str]]:
             words[name] = record.words[header]
         if header in record.stated:
             stated[name] = record.stated[header]
+        elif (said := meaning_of(header).unit) and _fits(name, {name: said}):
+            stated[name] = said
         if name != header:
             guesses[name] = header
     notes = tuple(

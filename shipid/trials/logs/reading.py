@@ -252,7 +252,9 @@ def _check_file(file: Path) -> None:
         close = close if close.startswith("Did") else ""
         raise MissingFileError(f"there is no file '{file}'. {close}Check the path.")
     if file.is_dir():
-        raise MissingFileError(f"'{file}' is a folder. Name one trial file in it.")
+        raise MissingFileError(
+            f"'{file}' is a folder. Name a trial in it; where several may stand, '{file}/*.csv' without quotes names them all."
+        )
     try:
         with file.open("rb") as stream:
             if not stream.read(1):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -48,6 +48,12 @@ class MeasuredSpiral(Measures):
     """
 
     kind: ClassVar[str] = "spiral"
+    part: ClassVar[str] = "stage"
+    columns: ClassVar[Mapping[str, tuple[str, int]]] = {
+        "ends": ("end", 1),
+        "rudders": ("rudder", 2),
+        "rates": ("rate of turn", 3),
+    }
     method: str = words()
     rudders: tuple[float | None, ...] | None = quantity("rad", "rudder angle of each stage, mean")
     rates: tuple[float | None, ...] | None = quantity("rad/s", "steady rate of turn of each stage")
@@ -62,17 +68,6 @@ class MeasuredSpiral(Measures):
     def title(self) -> str:
         """What the manoeuvre is called, such as ``direct spiral``."""
         return f"{self.method} spiral"
-
-    def _lines(self, without: Collection[str] = ()) -> list[str]:
-        lines = super()._lines((*without, "rudders", "rates", "ends"))
-        lines.append(f"  {'stage':<9s}{'end s':>10s}{'rudder deg':>14s}{'rate deg/s':>14s}")
-        for k, row in enumerate(zip(self.ends or (), self.rudders or (), self.rates or ()), start=1):
-            end, rudder, rate = (float("nan") if v is None else v for v in row)
-            # Zero has no sign.
-            rudder = round(np.degrees(rudder), 2) + 0.0
-            shown = "not known" if row[2] is None else f"{np.degrees(rate):.4f}"
-            lines.append(f"  {k:<9d}{end:>10.1f}{rudder:>14.2f}{shown:>14s}")
-        return lines
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from shipid.campaign.result import CampaignResult, summary
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_factor, display_unit
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import number
+from shipid.foundation.numbers import estimate, number
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, sentence
@@ -71,12 +71,15 @@ def provenance_rows(provenance: Plain) -> list[Row]:
 
 def _row(s: Statistic) -> Row:
     error, factor = s.measure.kind == "error", display_factor("", s.measure.unit)
+    (mean, between), (rmse, rmse_between) = (
+        estimate(value, ends, factor) for value, ends in ((s.mean, s.mean_interval), (s.rmse, s.rmse_interval))
+    )
     return {
         "what": sentence(s.measure.meaning) or s.name,
-        "mean": _number(s.mean, factor),
-        "interval": _interval(s.mean_interval, factor),
-        "rmse": _number(s.rmse, factor) if error else "",
-        "rmse_interval": _interval(s.rmse_interval, factor) if error else "",
+        "mean": mean,
+        "interval": between,
+        "rmse": rmse if error else "",
+        "rmse_interval": rmse_between if error else "",
         "std": _number(s.std, factor),
         "low": _number(s.low, factor),
         "high": _number(s.high, factor),
@@ -103,10 +106,10 @@ def _number(value: float | None, factor: float) -> str:
     return number(None if value is None else value * factor, 3)
 
 
-def _interval(ends: tuple[float, float] | None, factor: float = 1.0) -> str:
+def _interval(ends: tuple[float, float] | None) -> str:
     if ends is None or not np.isfinite(ends).all():
         return ""
-    return f"{_number(ends[0], factor)} to {_number(ends[1], factor)}"
+    return f"{_number(ends[0], 1.0)} to {_number(ends[1], 1.0)}"
 
 
 def _courses(courses: list[Statistic]) -> Markup:

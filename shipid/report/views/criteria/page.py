@@ -8,7 +8,7 @@ from shipid.criteria.criteria import NOT_COVERED, Criteria, CriterionSide
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import fixed, number
+from shipid.foundation.numbers import fixed, given, number
 from shipid.report.figures.comparisons import limits_drawing
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import sentence, versions_now
@@ -60,7 +60,7 @@ def criteria_section(found: Criteria | str | None) -> Section | None:
 def _told(found: Criteria, notes: Sequence[str]) -> Section:
     length, speed = found.length, found.speed
     head = (
-        f"L {number(length)} m, V {number(speed, 3)} m/s, L/V {number(length / speed, 3)} s; turning circle with "
+        f"L {given(length)} m, V {given(round(speed, 2))} m/s, L/V {number(length / speed, 3)} s; turning circle with "
         f"{angle(found.rudder, 2)} of rudder."
     )
     if any(side.band95 for row in found.rows for side in (row.starboard, row.port)):

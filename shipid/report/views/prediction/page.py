@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
-from markupsafe import Markup
-
 import shipid
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import compass, display_unit, label, to_display
 from shipid.foundation.numbers import fixed, last_place, number
 from shipid.prediction.prediction import Prediction
-from shipid.report.figures.charts import Axes, Line, chart
-from shipid.report.figures.tracks import track_figure
+from shipid.report.figures.tracks import along_figure, track_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import sentence
 
-#: What the chart along the track shows.
-_ALONG = (("psi", "rad"), ("r", "rad/s"), ("u", "m/s"), ("delta", "rad"))
 #: What is shown of a situation, with the units inside.
 _UNITS = {
     "x": "m", "y": "m", "psi": "rad", "r": "rad/s", "u": "m/s", "v": "m/s", "delta": "rad", "current_north": "m/s",
@@ -77,7 +71,7 @@ def _plan(found: Prediction) -> Row:
     figure = track_figure(track, "track", turn=turn, chart=chart, now=now)
     return {
         "figure": figure,
-        "along": _along(found),
+        "along": along_figure(track),
         "route": turn is not None,
         "chart": None if chart is None else chart.name,
     }
@@ -100,18 +94,6 @@ def _stages(found: Prediction) -> list[Row]:
         }
         for s in found.stages
     ]
-
-
-def _along(found: Prediction) -> Markup:
-    track = found.track
-    panels = []
-    for name, unit in _ALONG:
-        values = to_display(getattr(track, name), name, unit)
-        if name == "psi":
-            # Continued where the ship turns through north, so that she ends in compass degrees: what was ordered is read there.
-            values = values - 360 * np.floor(values[-1] / 360)
-        panels.append(Axes(label(name), pretty(display_unit(name, unit)), [Line("", track.t, values)]))
-    return chart(panels, "Time since the order [s]", "along", "Heading, rate of turn, speed and rudder along the track")
 
 
 def _value(value: float, std: float | None) -> str:

@@ -15,7 +15,7 @@ from shipid.estimation.records.smoother import Smoothed
 from shipid.foundation.statistics import NORMAL_95
 from shipid.prediction.sailing.voyage import Voyage
 from shipid.prediction.tracks.predicted_track import PredictedTrack
-from shipid.report.figures.tracks import track_figure
+from shipid.report.figures.tracks import along_figure, track_figure
 from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import Shown, shown, shown_field
@@ -74,7 +74,8 @@ def track_page(found: PredictedTrack) -> Page:
     found : PredictedTrack
         The track.
     """
-    section = Section("Track", "record/track.html", {"figure": track_figure(found, "track"), "caption": "North up."})
+    view = {"figure": track_figure(found, "track"), "along": along_figure(found), "route": False, "chart": None}
+    section = Section("Track", "prediction/plan.html", view)
     return Page("Predicted track", [("", _lines(found.text()))], [section], footer=f"shipid {shipid.__version__}")
 
 

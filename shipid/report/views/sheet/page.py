@@ -33,12 +33,6 @@ _CAPTIONS = {
 _NUMBERS = [("Quantity", "name"), ("Measured", "value", "n"), ("Meaning", "meaning", "wide")]
 #: A ratio to the ship length stands beside the distance itself, and so does the same in still water.
 _RATIO, _STILL = "_ratio", "_still_water"
-#: Entries of a zig-zag that stand in one table, a row a reversal.
-_REVERSALS = (
-    ("executes", "Execute [s]"), ("execute_headings", "Heading there [deg]"), ("overshoots", "Overshoot [deg]"),
-    ("overshoot_uncertainties", "± [deg]"), ("extreme_headings", "Extreme [deg]"), ("times_to_check_yaw", "After [s]"),
-)  # fmt: skip
-_STAGES = (("ends", "End [s]"), ("rudders", "Rudder [deg]"), ("rates", "Rate of turn [deg/s]"))
 #: So many quantities that are not known for one reason are told of in one sentence.
 _SHARED = 3
 
@@ -121,7 +115,6 @@ def _limit_row(row: MeasuredCriterion) -> Row:
 def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object]:
     measures = sailed.measures
     rows, said = _told_once(list(_single(measures)))
-    tables = [t for t in (_several(measures, _REVERSALS, "Reversal"), _several(measures, _STAGES, "Stage")) if t]
     return {
         "title": sailed.title,
         "trial": measures.trial,
@@ -131,7 +124,7 @@ def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object
         "figure": manoeuvre_figure(measures, sailed.record, length, f"m{sailed.number}"),
         "columns": _NUMBERS,
         "rows": rows,
-        "tables": tables,
+        "parts": _parts(measures),
         "notes": [*said, *(sentence(note) for note in measures.notes)],
     }
 
@@ -172,23 +165,17 @@ def _value(name: str, value: float | None, unit: str) -> str:
     return shown if unit == "1" else f"{shown} {pretty(unit)}"
 
 
-def _several(measures: Measures, columns: tuple[tuple[str, str], ...], title: str) -> dict[str, object] | None:
-    """The entries of quantities with one number a reversal or stage, side by side."""
-    found = {name: value for name, value, _, _ in measures.quantities() if isinstance(value, tuple)}
-    known = [(name, head) for name, head in columns if found.get(name)]
-    if not known:
+def _parts(measures: Measures) -> dict[str, object] | None:
+    """What has one number a reversal or stage, a row each."""
+    heads, cells = measures.table()
+    if not cells:
         return None
-    rows: list[Row] = []
-    for k in range(max(len(found[name]) for name, _ in known)):
-        cells = {}
-        for name, _ in known:
-            value = found[name][k] if k < len(found[name]) else None
-            missing = "not known" if f"{name}[{k + 1}]" in measures.reasons else "not reached"
-            cells[name] = missing if value is None else fixed(value, 2 if name != "rates" else 3)
-        rows.append({"k": str(k + 1), **cells})
-    reasons = list(dict.fromkeys(why for key, why in measures.reasons.items() if key.split("[")[0] in dict(known)))
-    heads = [(title, "k"), *((head, name, "n") for name, head in known)]
-    return {"columns": heads, "rows": rows, "reasons": [sentence(why) for why in reasons]}
+    reasons = list(dict.fromkeys(why for key, why in measures.reasons.items() if key.split("[")[0] in measures.columns))
+    return {
+        "columns": [(sentence(head), str(k), "n" if k else "") for k, head in enumerate(heads)],
+        "rows": [{str(k): cell for k, cell in enumerate(row)} for row in cells],
+        "reasons": [sentence(why) for why in reasons],
+    }
 
 
 def _poster(sheet: TrialSheet) -> dict[str, object]:

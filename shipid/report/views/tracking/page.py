@@ -44,11 +44,15 @@ def tracking_page(found: Tracking) -> Page:
         f"{count(len(found.tracks), 'confirmed track')}; {count(len(held), 'track')} {'is' if len(held) == 1 else 'are'} held at the end.",
     ]
     answer.append(sentence(found.nearest_words) + ".")
+    longest = sorted(found.tracks, key=lambda o: -int(o.held.sum()))[:_MOST]
+    shown = sorted(longest, key=lambda o: o.number)
     sections = [
         Section(
             "Plan",
             "tracking/plan.html",
             {
+                "motion": _motion(shown) if shown else None,
+                "modes": _modes(found, longest[0]) if shown else None,
                 "figure": targets_figure(found, "plan"),
                 "caption": f"The tracks, in metres from {found.plots.frame}"
                 + (", relative to own ship" if found.relative else "")
@@ -57,11 +61,6 @@ def tracking_page(found: Tracking) -> Page:
         ),
         Section("Targets", "tracking/targets.html", {"columns": _TARGETS, "rows": [_row(o) for o in found.tracks]}),
     ]
-    longest = sorted(found.tracks, key=lambda o: -int(o.held.sum()))[:_MOST]
-    if longest:
-        shown = sorted(longest, key=lambda o: o.number)
-        view = {"figure": _motion(shown), "modes": _modes(found, longest[0])}
-        sections.append(Section("Motion", "tracking/motion.html", view))
     if found.score is not None:
         sections.append(Section("Beside the truth", "tracking/judged.html", _judged(found.score)))
     return Page(

@@ -257,7 +257,8 @@ class _Draft:
             self.unused.append(header)
             self.undecided.append(name)
             tables = [f"# [columns.{f}]" for f in fitting]
-            written = json.dumps(stated or meaning.unit or "...", ensure_ascii=False)
+            said = [unit for unit in (stated, meaning.unit) if unit and any(self._fits(f, unit) for f in fitting)]
+            written = json.dumps(said[0] if said else "...", ensure_ascii=False)
             return "\n".join(
                 [
                     f"# {_shown(meaning.reason)}{values}: take the # away where it is.",

@@ -79,6 +79,8 @@ _UNITS = {
     "rad": "rad", "rads": "rad/s", "kn": "kn", "kt": "kn", "kts": "kn", "knots": "kn", "mps": "m/s", "ms": "m/s", "kmh": "km/h",
     "degps": "deg/s", "dps": "deg/s", "degpmin": "deg/min", "rpm": "rpm", "rps": "rps", "m": "m", "meter": "m", "metres": "m", "meters": "m", "knoten": "kn", "nds": "kn",
 }  # fmt: skip
+#: What a unit holds that stands behind a name without brackets, as in ``Rate °/min``, where no word of it says the unit.
+_SIGN = re.compile(r"[°/]")
 _SIDE = re.compile(r"(port|ps|pt|stbd|sb|bb|starboard|steuerbord|backbord|1|2|left|right)$")
 
 
@@ -139,6 +141,9 @@ def meaning_of(header: str) -> Meaning:
             return Meaning(fields, f"'{name}'{side} {doubt}", unit or _unit_of(text), True)
         if text in _FIELDS:
             return Meaning((_FIELDS[text],), f"'{name}' is a usual name{side}", unit or _unit_of(text))
+    head, _, tail = name.rpartition(" ")
+    if head and _SIGN.search(tail) and (found := meaning_of(head)).fields:
+        return replace(found, unit=tail)
     return _of_a_path(name)
 
 

@@ -13,6 +13,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, notice_of, plain_notices
+from shipid.foundation.numbers import fixed
 from shipid.foundation.result import Result
 
 #: From here on four digits are too few.
@@ -21,6 +22,8 @@ _LARGE = 1e3
 _DECIMALS = 3
 #: Units of which no instrument of a trial shows more than three digits; an angle and a time have four.
 _THREE = ("m", "m/s", "1", "deg/s")
+#: Signs of a page, and what a terminal has in their place.
+_PLAIN = str.maketrans("−–", "--")
 #: Directions from 0 to 360 deg.
 _AROUND_COMPASS = ("course", "drift_direction")
 
@@ -48,8 +51,8 @@ def measured(value: float, unit: str) -> str:
     unit : str
         That unit.
     """
-    if unit == "s" and abs(value) >= _LARGE:  # A moment of a clock that counts from long ago keeps its hundredths.
-        return f"{value:.2f}"
+    if unit == "s":  # Also a moment of a clock that counts from long ago keeps its hundredths, and none has more.
+        return f"{round(value, 2) + 0.0:.2f}" if abs(value) >= _LARGE else f"{round(value, 2) + 0.0:.4g}"
     return f"{float(f'{round(value, _DECIMALS):.{3 if unit in _THREE else 4}g}') + 0.0:.12g}"
 
 
@@ -81,6 +84,11 @@ class Measures(Result):
     """
 
     kind: ClassVar[str] = "manoeuvre"
+    #: What has one number a reversal or stage: the name of such a part, then title and decimals of each column by its quantity.
+    part: ClassVar[str] = ""
+    columns: ClassVar[Mapping[str, tuple[str, int]]] = {}
+    #: Columns that are left out where nothing of them is known.
+    beside: ClassVar[tuple[str, ...]] = ()
     trial: str
     execute: str
     read_from: str = words()
@@ -135,6 +143,22 @@ class Measures(Result):
         own = [why for key, why in self.reasons.items() if key == name or key.startswith(f"{name}[")]
         return "; ".join(dict.fromkeys(own)) or None
 
+    def table(self) -> tuple[list[str], list[list[str]]]:
+        """Return the heads, with units, and the rows of what has one number a reversal or stage, in words; empty where nothing has."""
+        shown = {name: (value or (), unit) for name, value, unit, _ in self.quantities() if name in self.columns}
+        known = [name for name in self.columns if shown[name][0] or name not in self.beside]
+        count = max((len(shown[name][0]) for name in known), default=0)
+        if not count:
+            return [], []
+        heads = [self.part, *(f"{self.columns[name][0]} [{pretty(shown[name][1])}]" for name in known)]
+        return heads, [[str(k + 1), *(self._cell(name, shown[name][0], k) for name in known)] for k in range(count)]
+
+    def _cell(self, name: str, values: Plain, k: int) -> str:
+        value = values[k] if k < len(values) else None
+        if value is not None:
+            return fixed(value, self.columns[name][1])
+        return "–" if name in self.beside else "not known" if f"{name}[{k + 1}]" in self.reasons else "not reached"
+
     def to_frame(self) -> pd.DataFrame:
         """Return one row a number: quantity, value, unit, meaning (NaN where not reached)."""
         rows = []
@@ -159,9 +183,15 @@ class Measures(Result):
         lines = []
         for name, value, unit, _ in self.quantities():
             reason = self.reason(name)
-            if name in without or (reason is None and (value is None or (isinstance(value, tuple) and not value))):
+            if name in (*without, *self.columns) or (
+                reason is None and (value is None or (isinstance(value, tuple) and not value))
+            ):
                 continue
             lines.append(f"  {name.replace('_', ' '):<28s} {self._shown(name, value, unit)}")
+        heads, rows = self.table()
+        for row in [heads, *rows] if rows else ():
+            cells = (f"{cell:>{max(len(head), 11) + 2}s}" for head, cell in zip(heads[1:], row[1:]))
+            lines.append(f"  {row[0]:<9s}{''.join(cells)}".translate(_PLAIN))
         return lines
 
     def _shown(self, name: str, value: Plain, unit: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -35,6 +35,18 @@ times_to_check_yaw : tuple of float or None
     """
 
     kind: ClassVar[str] = "zig-zag"
+    part: ClassVar[str] = "reversal"
+    columns: ClassVar[Mapping[str, tuple[str, int]]] = {
+        "executes": ("execute", 2),
+        "execute_headings": ("heading", 2),
+        "overshoots": ("overshoot", 2),
+        "overshoot_uncertainties": ("±", 2),
+        "overshoots_moved": ("rudder moved", 2),
+        "overshoots_set_out": ("set out", 2),
+        "extreme_headings": ("extreme", 2),
+        "times_to_check_yaw": ("check yaw", 2),
+    }
+    beside: ClassVar[tuple[str, ...]] = ("overshoot_uncertainties", "overshoots_moved", "overshoots_set_out")
     nominal: str = words()
     first_side: str = words()
     doubt: str = ""
@@ -79,39 +91,9 @@ times_to_check_yaw : tuple of float or None
         return _leading(self.overshoots)[: len(self.leading_executes)]
 
     def _lines(self, without: Collection[str] = ()) -> list[str]:
-        """The quantities of the whole zig-zag, and a table with a row a reversal."""
-        lines = super()._lines({*without, *(name for name, _ in _TABLE)})
-        shown = {name: value for name, value, _, _ in self.quantities()}
-        table = [(name, title) for name, title in _TABLE if name not in _BESIDE[1:] or shown[name]]
-        head = "".join(f"{title:>{len(title) + 3}s}" for _, title in table)
-        lines.append(f"  {'reversal':<9s}{head}")
-        for k in range(len(self.executes or ())):
-            cells = ""
-            for name, title in table:
-                column = shown[name] or ()
-                value = column[k] if k < len(column) else None
-                missing = "not known" if f"{name}[{k + 1}]" in self.reasons else "not reached"
-                text = f"{value:.2f}" if value is not None else "-" if name in _BESIDE else missing
-                cells += f"{text:>{len(title) + 3}s}"
-            lines.append(f"  {k + 1:<9d}{cells}")
-        for key, why in self.reasons.items():
-            if key.startswith("overshoots["):
-                lines.append(f"  overshoot {key[11:-1]:<18s} not known: {why}")
-        return lines
-
-
-#: Columns of the table of reversals: quantity and title.
-_TABLE = (
-    ("executes", "execute s"),
-    ("execute_headings", "heading deg"),
-    ("overshoots", "overshoot deg"),
-    ("overshoot_uncertainties", "+- deg"),
-    ("overshoots_moved", "rudder moved deg"),
-    ("overshoots_set_out", "set out deg"),
-    ("extreme_headings", "extreme deg"),
-    ("times_to_check_yaw", "check yaw s"),
-)
-_BESIDE = ("overshoot_uncertainties", "overshoots_moved", "overshoots_set_out")
+        """The quantities, and why an overshoot is not known."""
+        why = {key[11:-1]: text for key, text in self.reasons.items() if key.startswith("overshoots[")}
+        return [*super()._lines(without), *(f"  overshoot {k:<18s} not known: {text}" for k, text in why.items())]
 
 
 def _leading(values: tuple[float | None, ...] | None) -> tuple[float, ...]:
