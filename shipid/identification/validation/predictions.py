@@ -159,8 +159,8 @@ def predict(identified: Identified, trial: Trial, measures: TrialMeasures, recor
     again = found.q
     # A bias of this trial as the fitted ones know it: about their mean, within their spread.
     prior = prior_of(free.model, free.initial, biases, free.trials[0], unit_time)
-    spread = (fitted.prior or prior).biases["delta"]
-    prior = replace(prior, mean_biases={"delta": float(np.hypot(spread, prior.mean_biases["delta"] if std is None else std))})
+    spread = np.hypot((fitted.prior or prior).biases["delta"], prior.mean_biases["delta"] if std is None else std)
+    prior = replace(prior, mean_biases={"delta": float(spread)})
     return replace(
         predicted,
         refitted=_errors(free, free.run(again, 0)[0]),
