@@ -141,7 +141,8 @@ def predict(identified: Identified, trial: Trial, measures: TrialMeasures, recor
     """
     biases, unit_time = identified.problem.biases, scale_before(identified.ship, trial).unit_time
     length, count = identified.ship.particular("L", "m"), warm_up_samples(trial, unit_time)
-    ahead = _problem_of(identified, trial, record, (), mean_biases(identified), unit_time)
+    mean = mean_biases(identified)
+    ahead = _problem_of(identified, trial, record, (), mean, unit_time)
     # What the first seconds do not show of the state stays near its first guess.
     prior = prior_of(ahead.model, ahead.initial, (), ahead.trials[0], unit_time)
     head = replace(ahead, trials=(ahead.trials[0].beginning(count),), prior=prior)
@@ -156,13 +157,16 @@ def predict(identified: Identified, trial: Trial, measures: TrialMeasures, recor
     q0[: len(ahead.initial)] = start[: len(ahead.initial)]
     found = minimise(free, q0, EMPTY, most=50)
     again = found.q
-    warm = _warmed_up(free, q0, prior_of(free.model, free.initial, biases, free.trials[0], unit_time), measures)
+    # A bias of this trial as the fitted ones know it: about their mean, within their spread.
+    prior = prior_of(free.model, free.initial, biases, free.trials[0], unit_time)
+    spread = np.hypot((fitted.prior or prior).biases["delta"], prior.mean_biases["delta"] if std is None else std)
+    prior = replace(prior, mean_biases={"delta": float(spread)})
     return replace(
         predicted,
         refitted=_errors(free, free.run(again, 0)[0]),
         refitted_bias=free.named_biases(again, 0).get("delta", 0.0),
         refitted_bias_std=_bias_std(free, covariance_of(found).matrix, [0]),
-        warm=warm,
+        warm=_warmed_up(replace(free, bias_offset=mean), q0, prior, measures),
     )
 
 

@@ -74,6 +74,16 @@ def test_what_was_learnt_before_the_first_reversal_is_judged_on_the_rest(fit, sa
     assert spoiled.warm["r"] == pytest.approx(clean.warm["r"], rel=1e-6)
 
 
+def test_the_bias_before_the_first_reversal_stays_near_that_of_the_fitted_trials(fit, sail):
+    """A gust that turns the ship by a degree in the first leg is no rudder bias, which would turn her for the rest of the record."""
+    trial = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)
+    table, leg = trial.table.copy(), np.clip(trial["t"] / measure(trial).executes[0], 0, 1)
+    table["psi"] += np.deg2rad(1.0) * leg
+    compared = fit.validate([replace(trial, table=table)]).validation[0]
+    assert np.rad2deg(compared.rmse["psi"]) == pytest.approx(1.0, abs=0.1)
+    assert np.rad2deg(compared.warm["psi"]) < 0.5
+
+
 def test_refitting_the_bias_is_reported_apart(fit, sail):
     frame = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2).table.copy()
     frame["delta"] -= np.deg2rad(1.0)
