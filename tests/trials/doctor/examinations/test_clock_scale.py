@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import shipid
@@ -43,3 +44,12 @@ def test_measured_times_are_doubtful(simulated, tmp_path):
 def test_factors_that_differ_are_faults_of_their_own(simulated, tmp_path, factors, kinds):
     diagnosis = check_trial(logged(simulated, tmp_path / "log.csv", **factors))
     assert "clock-scale" not in diagnosis.kinds and kinds <= set(diagnosis.kinds)
+
+
+def test_noise_of_a_fast_log_is_no_fast_ship(simulated):
+    trial = simulated()
+    t = np.arange(0.0, trial["t"][-1], 0.1)
+    random = np.random.default_rng(2)
+    frame = {f"{c} [m]": np.interp(t, trial["t"], trial[c]) + random.normal(0, 6, t.size) for c in ("x", "y")}
+    frame |= {f"{c} [deg]": np.degrees(np.interp(t, trial["t"], trial[c])) for c in ("psi", "delta")}
+    assert "clock-scale" not in check_trial(shipid.Trial.from_frame({"t [s]": t, **frame})).kinds

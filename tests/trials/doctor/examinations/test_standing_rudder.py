@@ -68,3 +68,11 @@ def test_a_rudder_at_its_stop_does_not_stand():
         {"t [s]": t, "psi [deg]": psi + random.normal(0, 0.05, t.size), "delta [deg]": wanted.clip(-25, 25)}
     )
     assert "frozen" not in check_trial(trial).kinds
+
+
+def test_a_ship_that_yaws_in_waves_does_not_turn_back(zigzag):
+    frame, t = zigzag.to_frame(), zigzag["t"]
+    # Her rate in waves is that of the zig-zag, and they are longer than an eighth of a plate.
+    frame["psi [deg]"] += 5 * np.sin(2 * np.pi * t / 21)
+    trial = Trial.from_frame(frame[["t [s]", "psi [deg]", "delta [deg]"]], name="waves")
+    assert "frozen" not in check_trial(trial).kinds

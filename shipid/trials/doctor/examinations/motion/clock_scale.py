@@ -18,6 +18,8 @@ _SHARE_OF_FACTOR = 0.25
 _FASTEST_TURN, _FASTEST_RUDDER, _FASTEST = 60.0, 150.0, 40.0
 #: Slower than these under rudder, all of them, no ship is [deg/s, deg/s, m/s].
 _SLOWEST_TURN, _SLOWEST_RUDDER, _SLOWEST = 0.05, 0.25, 0.02
+_BLOCKS = 60
+"""A ship turns and moves little in so many parts of a record."""
 _PROPOSED = 0.85
 """The clock is the simplest explanation and not the only one: it is named, and never changed without being asked."""
 
@@ -72,14 +74,18 @@ def examine_lone_clock(p: WorkingCopy) -> None:
     compared = p.has("r", "psi") or (p.has("x", "y") and (p.speed is not None or p.has("SOG")))
     if compared or not p.has("psi") or p.rudder is None or len(p) < 60 or p.found("clock-scale"):
         return
-    turning = float(np.degrees(np.quantile(np.abs(np.gradient(p["psi"], p.t)), 0.95)))
+    # Over many samples: from one to the next a fast log moves by the noise of its sensors.
+    apart = max(1, len(p) // _BLOCKS)
+    lasts = p.t[apart:] - p.t[:-apart]
+    turning = float(np.degrees(np.quantile(np.abs(p["psi"][apart:] - p["psi"][:-apart]) / lasts, 0.95)))
     rudder = float(np.degrees(_rate_on_ramps(p.t, p[p.rudder])))
     reach = float(np.degrees(np.ptp(np.quantile(p[p.rudder], [0.01, 0.99]))))
     told = [f"the ship turns by {turning:.3g} deg/s"] + ([f"the rudder moves by {rudder:.3g} deg/s"] if rudder else [])
     fast = turning > _FASTEST_TURN or rudder > _FASTEST_RUDDER
     slow = reach > 10 and 0 < turning < _SLOWEST_TURN and rudder < _SLOWEST_RUDDER
     if p.has("x", "y"):
-        speed = float(np.quantile(np.hypot(np.gradient(p["x"], p.t), np.gradient(p["y"], p.t)), 0.5))
+        moved = (p[c][apart:] - p[c][:-apart] for c in ("x", "y"))
+        speed = float(np.quantile(np.hypot(*moved) / lasts, 0.5))
         told.append(f"she makes {speed:.3g} m/s")
         fast, slow = fast or speed > _FASTEST, slow or (reach > 10 and 0 < speed < _SLOWEST)
     if fast or slow:

@@ -17,6 +17,10 @@ _LONG, _BRIEF = 8, 5
 _FEWEST = 8
 #: The ship turns to the other side than the rudder that stands, by this share of her usual rate, and was turning to its side before by that.
 _BACK, _BEFORE = 0.25, 0.5
+#: A ship that turns to the other side so many times as often as her rudder goes there, and these, yaws in waves.
+_YAWS, _FEW = 2, 4
+#: And one that turns back by less than so many times the scatter of her heading about a curve with so many bends.
+_YAW, _BENDS = 4.0, 5
 #: The rudder that stands lies over by this share of its range.
 _OVER = 0.25
 
@@ -104,9 +108,24 @@ def _turns_back(p: WorkingCopy, a: int, b: int) -> bool:
     if p.blind("r" if p.has("r") else "psi")[a : b + 1].any():
         return False
     rate = p["r"] if p.has("r") else np.gradient(p["psi"], t)
+    size = max(1, (b + 1 - a) // 8)
+    smooth = np.convolve(rate, np.ones(size) / size, "same")
     usual = float(np.quantile(np.abs(rate), 0.9))
+    if _sides(smooth, _BACK * usual) > _YAWS * _sides(delta, _OVER * reach) + _FEW:
+        return False
+    turned = np.sign(delta[a]) * robust.integral(t[a : b + 1], rate[a : b + 1])
+    share = np.linspace(-1, 1, len(turned))
+    yaw = float(np.std(turned - np.polynomial.Polynomial.fit(share, turned, _BENDS)(share)))
+    if float((np.maximum.accumulate(turned) - turned).max()) < _YAW * yaw:
+        return False
     # Means over eighths of the stretch: waves and noise are no turning back.
     edges = np.linspace(a, b + 1, 9).astype(int)
     means = np.sign(delta[a]) * np.array([float(rate[i:j].mean()) for i, j in pairwise(edges) if j > i])
     before = np.maximum.accumulate(means)
     return bool(np.any((means < -_BACK * usual) & (before > _BEFORE * usual)))
+
+
+def _sides(values: np.ndarray, least: float) -> int:
+    """How often values go from one side to the other, by more than some size."""
+    over = np.sign(values[np.abs(values) > least])
+    return int(np.count_nonzero(np.diff(over)))
