@@ -60,14 +60,17 @@ class MissingEffect:
         One of `EFFECTS`.
     evidence : float
         Logarithm of the likelihood ratio of the residuals with the effect to those without.
+    errors : ndarray, shape (unknowns, unknowns)
+        Mean products of the errors that it makes in the unknowns.
     covariance : ndarray, shape (parameters, parameters)
-        Of the coefficients, with the errors that it makes in them.
+        Of the coefficients, with these errors.
     wider : float
         By what factor it widens the interval that it widens most.
     """
 
     name: str
     evidence: float
+    errors: np.ndarray
     covariance: np.ndarray
     wider: float
 
@@ -142,8 +145,8 @@ def missing_effect(
         gain = after.likelihood - before
         if gain > max(_EVIDENCE, 0.0 if found is None else found.evidence):
             second = np.outer(after.mean, after.mean) + after.covariance
-            errors = pulled[:shared] @ second @ pulled[:shared].T
-            found = MissingEffect(name, gain, *_widened(covariance, errors))
+            errors = pulled @ second @ pulled.T
+            found = MissingEffect(name, gain, errors, *_widened(covariance, errors[:shared, :shared]))
     return found
 
 
