@@ -45,10 +45,13 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
     with threadpool_limits(1, "blas"):
         compared = (*fit.fitted, *fit.validation)
         structure = _structure(fit) if bands else None
+        drawn = draws_of(identified, draws, seed)
+        # What a model lacks is seen in the fitted manoeuvres, and coefficients make up for it there; in a steady turn they need not.
+        turning = drawn if fit.lacks is None else draws_of(identified, draws, seed, fit.lacks.errors)
         assessment = Assessment(
             directions_of(identified, [c.measures.words for c in fit.fitted]),
             residuals_of(identified),
-            manoeuvres_of(identified, compared, draws_of(identified, draws, seed), structure) if bands else None,
+            manoeuvres_of(identified, compared, drawn, structure, turning) if bands else None,
             findings_of(
                 fit.ship,
                 fit.fitted,

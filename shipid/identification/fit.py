@@ -21,6 +21,7 @@ from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import MOSTLY_DISTURBED, astern_notices, unexplained_notices
+from shipid.identification.evidence.missing_effect import MissingEffect
 from shipid.identification.fit_text import (
     FIRST,
     band_lines,
@@ -102,6 +103,8 @@ class Fit(DrawnResult):
         A sampled posterior, where one was requested (`sample_posterior`).
     bias_spread : BiasSpread or None
         How far the rudder biases of the trials are spread; None where there is one trial, or a method that does not estimate it.
+    lacks : MissingEffect or None
+        An effect that the residuals show and the model lacks; covariance and intervals hold what it does to the coefficients.
     """
 
     model: Model
@@ -127,6 +130,7 @@ class Fit(DrawnResult):
     assessment: Assessment | None = None
     posterior: Posterior | None = None
     bias_spread: BiasSpread | None = None
+    lacks: MissingEffect | None = None
 
     @property
     def estimated(self) -> tuple[str, ...]:
@@ -350,6 +354,7 @@ class Fit(DrawnResult):
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
         if self.bias_spread is not None and self.bias_spread.notice is not None:
             found.append(self.bias_spread.notice)
+        found += [self.lacks.notice] if self.lacks is not None else []
         found += self.levels.notices if self.levels is not None and self.identified.method == "prediction-error" else ()
         stated = {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
         found += loading_notices(stated, self.identified.load_part)

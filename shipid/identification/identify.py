@@ -22,6 +22,7 @@ from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import COURSE_KEPT, UNEXPLAINED, least_unexplained, nothing_explained
 from shipid.identification.evidence.load_part import LoadPart, weigh_load_part
 from shipid.identification.evidence.marginal_likelihood import Weighing, conclude
+from shipid.identification.evidence.missing_effect import missing_effect
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import method_words
 from shipid.identification.identified import Identified
@@ -312,13 +313,14 @@ def _result(
     if spreads:
         covariance = covariance_of(solution, np.array([spreads.get(n, np.inf) for n in problem.estimated]))
     block = covariance.matrix[:shared, :shared]
-    correlation = correlation_of(block)
     words = unseen_words({n: float(solution.q[problem.estimated.index(n)]) for n in unseen}, setting.stated)
     degrees = None if solution.levels is None else solution.levels.degrees
-    parameters = estimates_of(problem, solution.q, block, box, setting.scale, words, degrees)
     used = next(r for r in rungs if r.used)
     length = setting.known.get("L", setting.ship.particular("L", "m"))
     fitted = fitted_comparisons(problem, solution.q, records, length, covariance.matrix)
+    lacks = missing_effect(solution, block, fitted, setting.scale.unit_time)
+    wide = block if lacks is None else lacks.covariance
+    parameters = estimates_of(problem, solution.q, wide, box, setting.scale, words, degrees)
     # Where disturbances are part of the model, they may move the ship more than her rudder does: the coefficients are then as
     # sure as their intervals say, and the run with the rudder alone is not their measure.
     least = least_unexplained(fitted, setting.scale.unit_time)
@@ -326,7 +328,8 @@ def _result(
     if (kept := all(course_is_kept(t) for t in records)) or unexplained:
         parameters = without_values(parameters, COURSE_KEPT if kept else UNEXPLAINED)
         unseen = list(problem.estimated)
-        block, correlation = np.diag(np.full(shared, np.inf)), np.eye(shared)
+        lacks, wide = None, np.diag(np.full(shared, np.inf))
+    correlation = correlation_of(wide)
     trials = [data.trial for data in problem.trials]
     names = ", ".join(t.name for t in trials)
     source = f"identified by {used.method.replace('-', ' ')} from {names} (shipid {shipid.__version__})"
@@ -342,7 +345,7 @@ def _result(
         message=" ".join((solution.message, *setting.notes)),
         parameters=parameters,
         fixed=dict(problem.fixed),
-        covariance=block,
+        covariance=wide,
         correlation=correlation,
         condition_number=plain(covariance.condition_number),
         noise=dict(zip(problem.signals, noise.tolist())),
@@ -358,6 +361,7 @@ def _result(
         loss=problem.loss,
         levels=solution.levels,
         bias_spread=found.spread,
+        lacks=lacks,
     )
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 #: Orders that are tried.
-_ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 16, 20, 25, 30)
+ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 16, 20, 25, 30)
 #: Smallest number of samples for each number of the autoregression.
-_SAMPLES = 10
+SAMPLES = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +115,7 @@ def autoregression_of(residual: np.ndarray, *others: np.ndarray) -> Autoregressi
     if not all(np.isfinite(e).all() for e in every) or count < 8:
         return Autoregression(none, np.eye(signals))
     shortest = min(e.shape[1] for e in every)
-    most = max((p for p in _ORDERS if p * signals * _SAMPLES <= count and p < shortest), default=0)
+    most = max((p for p in ORDERS if p * signals * SAMPLES <= count and p < shortest), default=0)
     weights = [e.shape[1] / count for e in every]
     lags = [sum(w * lag for w, lag in zip(weights, row)) for row in zip(*(_lags(e, most) for e in every))]
     diagonal = np.diag(np.diag(lags[0]))
@@ -123,7 +123,7 @@ def autoregression_of(residual: np.ndarray, *others: np.ndarray) -> Autoregressi
         return Autoregression(none, diagonal)
     price = np.log(count) / count
     best, least = Autoregression(none, diagonal), float(np.log(np.diag(diagonal)).sum())
-    for order in (p for p in (0, *_ORDERS) if p <= most):
+    for order in (p for p in (0, *ORDERS) if p <= most):
         found = _yule_walker(lags, order)
         sign, size = np.linalg.slogdet(found.drive)
         numbers = order * signals**2 + signals * (signals - 1) / 2

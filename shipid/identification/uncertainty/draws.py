@@ -41,7 +41,7 @@ class Draws:
     unknowns: np.ndarray
 
 
-def draws_of(identified: Identified, count: int = DRAWS, seed: int = 0) -> Draws:
+def draws_of(identified: Identified, count: int = DRAWS, seed: int = 0, errors: np.ndarray | None = None) -> Draws:
     """Draw unknowns from the covariance of an identification.
 
     Parameters
@@ -52,6 +52,8 @@ def draws_of(identified: Identified, count: int = DRAWS, seed: int = 0) -> Draws
         Number of draws.
     seed : int
         Of the draws, which are the same each time by default.
+    errors : ndarray, shape (unknowns, unknowns), optional
+        Mean products of errors that come on top of those by noise: of an effect that the model lacks.
 
     Returns
     -------
@@ -64,7 +66,7 @@ def draws_of(identified: Identified, count: int = DRAWS, seed: int = 0) -> Draws
         spread[problem.estimated.index(name)] = stated
     covariance = covariance_of(identified.solution, spread).matrix
     # A variance that is still infinite is that of an initial state without information: it keeps its value.
-    covariance = np.where(np.isfinite(covariance), covariance, 0.0)
+    covariance = np.where(np.isfinite(covariance), covariance, 0.0) + (0.0 if errors is None else errors)
     slope = np.ones(problem.size)
     slope[:shared][box.in_log] = q[:shared][box.in_log]
     values, vectors = np.linalg.eigh(covariance / np.outer(slope, slope))

@@ -19,6 +19,7 @@ from shipid.generation.record import make_record
 from shipid.identification.identified import Identified
 from shipid.identification.problem.ship_scale import scale_before
 from shipid.identification.problem.signals import is_predicted
+from shipid.identification.uncertainty.amplitudes import recorded_speeds
 from shipid.identification.uncertainty.draws import Draws, band_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
@@ -41,7 +42,11 @@ _Run = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def manoeuvres_of(
-    identified: Identified, comparisons: Sequence[Comparison], draws: Draws, structure: StructureError | None = None
+    identified: Identified,
+    comparisons: Sequence[Comparison],
+    draws: Draws,
+    structure: StructureError | None = None,
+    turning: Draws | None = None,
 ) -> dict[str, PredictedManoeuvre]:
     """Return the manoeuvre of every trial, fitted and predicted, with its bands, by the name of the trial.
 
@@ -55,13 +60,23 @@ def manoeuvres_of(
         Unknowns drawn from the covariance.
     structure : StructureError, optional
         What the structure of the model is wrong by; without it the bands are those of the coefficients alone.
+    turning : Draws, optional
+        Draws for turning circles, where they are others.
     """
     places = {id(data.trial): i for i, data in enumerate(identified.problem.trials)}
-    return {c.trial.name: _manoeuvre(identified, c, draws, structure, places.get(id(c.trial))) for c in comparisons}
+    return {
+        c.trial.name: _manoeuvre(identified, c, draws, turning or draws, structure, places.get(id(c.trial)))
+        for c in comparisons
+    }
 
 
 def _manoeuvre(
-    identified: Identified, comparison: Comparison, draws: Draws, structure: StructureError | None, index: int | None
+    identified: Identified,
+    comparison: Comparison,
+    draws: Draws,
+    turning: Draws,
+    structure: StructureError | None,
+    index: int | None,
 ) -> PredictedManoeuvre:
     trial, circle = comparison.trial, comparison.measures.circle
     zigzag = comparison.measures.zigzag if comparison.overshoots else None
@@ -74,8 +89,9 @@ def _manoeuvre(
     if zigzag is not None:
         found = _with_swings(found, identified, runs, zigzag, structure, growth)
     if circle is not None:
-        if index is None:
-            runs = runs_of(identified, _from_the_order(identified, comparison, circle), draws.unknowns, None)
+        approached = _from_the_order(identified, comparison, circle) if index is None else comparison
+        if index is None or turning is not draws:
+            runs = runs_of(identified, approached, turning.unknowns, index)
         found = replace(found, turn=_circle(identified, runs, circle, structure, growth))
     return replace(found, growth=growth)
 
@@ -154,6 +170,12 @@ def _widened(point: float | None, band: Band, wide: float) -> Band:
     return point - float(np.hypot(point - band[0], wide)), point + float(np.hypot(band[1] - point, wide))
 
 
+def _lost_speed(identified: Identified) -> float:
+    """The largest share of her speed that the ship lost in a fitted trial."""
+    seen = [recorded_speeds([data.trial]) for data in identified.problem.trials]
+    return max((1.0 - low / high for low, high in (s for s in seen if s is not None) if high > 0), default=0.0)
+
+
 def _circle(
     identified: Identified, runs: Runs, measured: TurningCircle, structure: StructureError | None, growth: float
 ) -> dict[str, PredictedQuantity]:
@@ -172,10 +194,13 @@ def _circle(
         return {name: getattr(found, name) for name in TURN if speed or name != "steady_speed"}
 
     point, drawn = _over(identified, runs, read)
+    # A model that is told the speed turns at that of the approach: the ship loses some in a circle, and her path is shorter.
+    lost = 0.0 if speed else _lost_speed(identified)
     result = {}
-    for name, (_, factor) in TURN.items():
+    for name, (unit, factor) in TURN.items():
         own, foreseen = getattr(measured, name), point.get(name)
         share = 0.0 if structure is None else structure.share(name, growth)
+        share = float(np.hypot(share, lost)) if unit == "m" else share
         band = _widened(foreseen, band_of(foreseen, [d.get(name) for d in drawn]), share * abs(foreseen or 0.0))
         result[name] = PredictedQuantity(
             None if own is None else own * factor,
