@@ -25,7 +25,7 @@ from shipid.prediction.routes.route_turn import against_plan, next_turn
 from shipid.prediction.routes.sailings import turned
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, TrackPredictor, wind_parts
+from shipid.prediction.tracks.track_predictor import HORIZON, Band, TrackPredictor, wind_parts
 from shipid.prediction.tracks.track_run import cruise_of
 from shipid.trials.manoeuvres.flows import number
 
@@ -48,7 +48,7 @@ def predict_route(
     radius: float | None = None,
     rudder_limit: str | float | None = None,
     horizon: float = HORIZON,
-    points: int = POINTS,
+    points: int | None = None,
     band: Band = "linear",
     source: str = "the situation given",
     warnings: Sequence[Notice] = (),

@@ -23,7 +23,7 @@ from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.not_reached import not_reached
 from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
-from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, Predicting, TrackPredictor, wind_parts
+from shipid.prediction.tracks.track_predictor import HORIZON, Band, Predicting, TrackPredictor, wind_parts
 from shipid.prediction.tracks.track_run import cruise_of
 
 
@@ -37,7 +37,7 @@ def predict_track(
     leg: TrackLeg | None = None,
     rudder_limit: str | float | None = None,
     horizon: float = HORIZON,
-    points: int = POINTS,
+    points: int | None = None,
     band: Band = "linear",
     model: Predicting = "own",
     values: Mapping[str, float] | None = None,

@@ -32,3 +32,13 @@ def test_more_rudder_than_the_ship_has_is_told_once(pilot):
         pilot, {"psi": 0.0, "u": 9.5}, rudder="40 deg", rudder_limit="40 deg", points=20
     ).warnings
     assert [n.kind for n in told].count("beyond-the-rudder") == 1
+
+
+def test_a_long_track_has_its_stages_where_those_of_a_short_one_are(pilot):
+    """Of 5000 ship lengths each of 600 steps was eight long, and 10 degrees were told to be turned at 200 s in place of 36."""
+    usual, long = (
+        shipid.predict_track(pilot, {"psi": 0.0, "u": 9.5}, heading="60 deg", band="none", horizon=horizon)
+        for horizon in (20, 500)
+    )
+    for one, other in zip(usual.stages[:3], long.stages[:3]):
+        assert other.t == pytest.approx(one.t, abs=2.0) and other.what == one.what

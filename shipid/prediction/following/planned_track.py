@@ -205,7 +205,7 @@ def planned_track(
         k = int(np.argmax(taken - lengths))
         raise UsageError(
             f"the turns at both ends of the leg from {called[k]} to {called[k + 1]} take {taken[k]:.4g} m, and it is {lengths[k]:.4g} m "
-            "long: take smaller radii."
+            "long: state smaller turn radii in the route, or leave a waypoint out."
         )
     turned = [_arc(at[k + 1], courses[k], turn, size) for k, (turn, size) in enumerate(zip(turns, radii))]
     ends = np.cumsum([1, *(len(arc) for arc in turned)])

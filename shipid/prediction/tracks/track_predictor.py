@@ -138,7 +138,7 @@ class TrackPredictor:
         rate: str | float | None = None,
         rudder_limit: str | float | None = None,
         horizon: float = HORIZON,
-        points: int = POINTS,
+        points: int | None = None,
         band: Band = "linear",
         samples: int = 200,
         seed: int = 0,
@@ -156,8 +156,8 @@ class TrackPredictor:
             Largest rudder angle; the autopilot's own by default.
         horizon : float
             Length of the track in ship lengths.
-        points : int
-            Steps of the track.
+        points : int, optional
+            Steps of the track; by default as near to each other on a long track as on one of the usual length.
         band : {"linear", "samples", "none"}
             How the spread of the track is found where the situation says how sure it is.
         samples : int
@@ -269,11 +269,13 @@ class TrackPredictor:
         situation: Situation,
         orders: Sequence[Order],
         horizon: float,
-        points: int,
+        points: int | None,
         band: Band,
         samples: int = 0,
         seed: int = 0,
     ) -> list[PredictedTrack]:
+        if points is None:
+            points = POINTS if not HORIZON < horizon < _FARTHEST else min(_MOST, int(POINTS * horizon / HORIZON))
         if not (0 < horizon < _FARTHEST and 0 < points <= _MOST):
             raise UsageError(
                 f"a track of {horizon:g} ship lengths in {points} steps is none: give 1 to {_MOST} steps, more than "
@@ -364,7 +366,7 @@ class TrackPredictor:
     def _refuse_slow(self, nodes: int, speed: float) -> None:
         if nodes > _MOST:
             raise UsageError(
-                f"at u = {speed:.3g} m/s the ship sails too slowly for her rudder: a track along the distance sailed would have {nodes} steps."
+                f"at u = {speed:.3g} m/s the ship sails too slowly for her rudder: a track along the distance sailed would have {nodes} steps. Ask for a shorter one."
             )
 
     def _substeps(self, distance: float, speed: float) -> int:

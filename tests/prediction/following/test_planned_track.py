@@ -54,7 +54,7 @@ def test_the_line_around_a_waypoint():
         ([(0, 0)], 1.0, "two waypoints at least"),
         ([(0, 0), (np.nan, 1)], 1.0, "two waypoints at least"),
         ([(0, 0), (1, 1), (1, 1)], 0.0, "waypoint 2 and waypoint 3 are one place"),
-        ([(0, 0), (1000, 0), (1000, 1000)], 1500.0, "take smaller radii"),
+        ([(0, 0), (1000, 0), (1000, 1000)], 1500.0, "state smaller turn radii in the route"),
         ([(0, 0), (1000, 0), (1000, 1000), (0, 1000)], 600.0, "from waypoint 2 to waypoint 3 take"),
         ([(0, 0), (1000, 0), (0, 10)], 1.0, "from waypoint 2 turns back by 179 deg"),
     ],
