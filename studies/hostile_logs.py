@@ -25,7 +25,8 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
-from _spoiled import INTERVALS, KINDS, LAYOUTS, SHIPS, Kind, Log, sailed, truth
+from _loggers import INTERVALS, LAYOUTS, SHIPS, Log, sailed, truth
+from _spoiled import KINDS, Kind
 from _table import Row, show
 
 import shipid
@@ -76,7 +77,9 @@ def wrong_numbers(found: Measures, true: dict[str, float]) -> list[str]:
     return said
 
 
-def judged(text: str, true: dict[str, float], still: dict[str, float] | None, sound: set[str], scratch: Path) -> Verdict:
+def judged(
+    text: str, true: dict[str, float], still: dict[str, float] | None, sound: set[str], scratch: Path
+) -> Verdict:
     """The verdict on a log: right, told, bare or alarm, and what was seen."""
     path = scratch / "log.csv"
     path.write_text(text, encoding="utf-8")
@@ -85,7 +88,9 @@ def judged(text: str, true: dict[str, float], still: dict[str, float] | None, so
     except ShipidError as error:
         return "refused", str(error)[:300]
     warned = "; ".join(sorted(words(found, serious=True)))
-    if {"advance"} & set(true) and found.kind != "turning circle" or "advance" not in true and found.kind != "zig-zag":
+    if ({"advance"} & set(true) and found.kind != "turning circle") or (
+        "advance" not in true and found.kind != "zig-zag"
+    ):
         return "told" if warned else "bare", f"measured as a {found.kind}; {warned}"
     wrong = wrong_numbers(found, true)
     if still is not None:
@@ -116,7 +121,9 @@ def runs_of(name: str, kind: Kind, runs: int, scratch: Path) -> list[tuple[str, 
         log = Log(run, interval, layout, rng)
         kind.change(log)
         said = words_of_sound(model, ship, what, angles, layout, interval, scratch)
-        where = f"{ship} {what} {'/'.join(f'{a:g}' for a in angles)}, every {interval:g} s, {' '.join(layout)} (run {k})"
+        where = (
+            f"{ship} {what} {'/'.join(f'{a:g}' for a in angles)}, every {interval:g} s, {' '.join(layout)} (run {k})"
+        )
         result.append((*judged(log.text(), true, still, said, scratch), where))
     return [(verdict, where, seen) for verdict, seen, where in result]
 
@@ -124,12 +131,16 @@ def runs_of(name: str, kind: Kind, runs: int, scratch: Path) -> list[tuple[str, 
 _SOUND: dict[tuple[object, ...], set[str]] = {}
 
 
-def words_of_sound(model: str, ship: str, what: str, angles: tuple[float, ...], layout: tuple[str, ...], interval: float, scratch: Path) -> set[str]:
+def words_of_sound(
+    model: str, ship: str, what: str, angles: tuple[float, ...], layout: tuple[str, ...], interval: float, scratch: Path
+) -> set[str]:
     """What is said beside the numbers of the sound log of the same logger."""
     key = (model, ship, what, angles, layout, interval)
     if key not in _SOUND:
         path = scratch / "sound.csv"
-        path.write_text(Log(sailed(model, ship, what, angles), interval, layout, np.random.default_rng(0)).text(), encoding="utf-8")
+        path.write_text(
+            Log(sailed(model, ship, what, angles), interval, layout, np.random.default_rng(0)).text(), encoding="utf-8"
+        )
         _SOUND[key] = words(measure(shipid.read_trial(path)), serious=False)
     return _SOUND[key]
 
@@ -137,7 +148,9 @@ def words_of_sound(model: str, ship: str, what: str, angles: tuple[float, ...], 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=6, help="runs of each kind")
-    parser.add_argument("--kind", action="append", default=[], choices=list(KINDS), metavar="KIND", help="only this kind")
+    parser.add_argument(
+        "--kind", action="append", default=[], choices=list(KINDS), metavar="KIND", help="only this kind"
+    )
     parser.add_argument("--list", action="store_true", help="print each run that is neither right nor told")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
@@ -161,7 +174,14 @@ def main() -> None:
             rows.append(Row(name, asked, measured, not any(count[b] for b in bad)))
     share = alarms["alarms"] / max(alarms["sound"], 1)
     rows.append(Row("bare wrong, all kinds", "0", str(total["bare"]), not total["bare"]))
-    rows.append(Row("alarms on sound logs", "at most 2 %", f"{alarms['alarms']} of {alarms['sound']} ({share:.1%})", share <= 0.02))
+    rows.append(
+        Row(
+            "alarms on sound logs",
+            "at most 2 %",
+            f"{alarms['alarms']} of {alarms['sound']} ({share:.1%})",
+            share <= 0.02,
+        )
+    )
     show("Logs spoiled as real ones are, measured by default", rows, as_json=options.json)
 
 

@@ -170,7 +170,13 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             values, unknown, said = still_water(way, found, quarters, drifting, float(turned[running].max()), why)
             found, reasons, notes = found | values, reasons | unknown, [*notes, *said]
     if (why := _other_way(found)) is not None:
-        for name in (*_DISTANCES, *(f"{name}_still_water" for name in _DISTANCES), "drift_speed", "drift_uncertainty", "drift_direction"):
+        for name in (
+            *_DISTANCES,
+            *(f"{name}_still_water" for name in _DISTANCES),
+            "drift_speed",
+            "drift_uncertainty",
+            "drift_direction",
+        ):
             if found.pop(name, None) is not None or name in reasons:
                 reasons[name] = why
         beside, clock, notes = {}, None, []

@@ -99,7 +99,7 @@ def _made_good(p: WorkingCopy) -> np.ndarray:
     """Speed over the ground by positions many samples apart [m/s]: their noise is little of it, and a jump is in few of them."""
     apart = max(1, len(p) // 60)
     way = np.hypot(*(p[c][apart:] - p[c][:-apart] for c in ("x", "y"))) / (p.t[apart:] - p.t[:-apart])
-    return np.minimum(way, 1.2 * np.quantile(way, 0.9))
+    return np.asarray(np.minimum(way, 1.2 * np.quantile(way, 0.9)))
 
 
 def _knots_mistaken(p: WorkingCopy, way: Way) -> float | None:

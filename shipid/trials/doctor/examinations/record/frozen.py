@@ -78,7 +78,11 @@ def _frozen(p: WorkingCopy, names: tuple[str, ...]) -> None:
             continue
         longest = long[np.argsort(lengths[long])[::-1][:_MOST]]
         rated = [(_missed(p, name, int(index[held[k, 0]]), int(index[held[k, 1]])), int(k)) for k in longest]
-        if name in ("psi", "x", "y") and not p.found("written-on-change") and robust.never_repeats(p[name][index], held[long]):
+        if (
+            name in ("psi", "x", "y")
+            and not p.found("written-on-change")
+            and robust.never_repeats(p[name][index], held[long])
+        ):
             # A heading that scatters, and stands at its extremes: a sensor at the end of its range, or one that is held; or positions.
             rated = [(max(missed, _SCATTERS), k) for missed, k in rated]
         missed, k = max(rated)
