@@ -14,6 +14,8 @@ _REPEATED, _BEAT = 0.6, 0.9
 _SHORTEST, _LOOSE = 3, 5
 #: Digits a step at the beat makes at least: fewer repeat by their resolution.
 _DIGITS = 8.0
+#: Knots at which lines between them bend, and the share of the range that a digit is at most.
+_KNOTS, _FINE = 6, 0.005
 
 
 def held_on_change(t: np.ndarray, values: np.ndarray) -> np.ndarray | None:
@@ -131,3 +133,39 @@ def _few_digits(moves: np.ndarray) -> bool:
     sizes = np.unique(np.round(moves / float(moves.max()), 9))
     digit = float(np.min(np.diff(sizes, prepend=0.0)))
     return float(np.median(moves)) < _DIGITS * digit * float(moves.max())
+
+
+def between_knots(values: np.ndarray) -> np.ndarray | None:
+    """Return which values lie on lines between those of a slower sensor, at a beat of three samples or more; None where none do.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        A column, one row a sample of an even clock.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,), or None
+        None as well where values are missing.
+    """
+    bend = np.abs(np.diff(values, 2))
+    if len(values) < 60 or not np.isfinite(bend).all() or not bend.any():
+        return None
+    apart, reach = np.diff(np.unique(values)), float(np.ptp(values))
+    digit = float(apart[apart > 1e-9 * reach].min())
+    if digit > _FINE * reach:
+        return None
+    # A bend of at least half the largest is one of the knots.
+    knot = int(np.argmax(bend)) + 1
+    found, index = None, np.arange(len(values))
+    for beat in range(3, len(values) // _KNOTS):
+        knots = index[knot % beat :: beat]
+        if np.count_nonzero(bend[knots[1:-1] - 1] > 2.01 * digit) < _KNOTS:
+            continue
+        inner = slice(knots[0], knots[-1] + 1)
+        drawn = np.interp(index[inner], knots, values[knots])
+        if float(np.abs(drawn - values[inner]).max()) <= 1.01 * digit:
+            found = np.zeros(len(values), dtype=bool)
+            found[inner] = True
+            found[knots] = False
+    return found

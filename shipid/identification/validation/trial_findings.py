@@ -109,7 +109,7 @@ def _with_gear(finding: Finding, share: float | None) -> Finding:
 
 def _settled(finding: Finding, method: str, delayed: bool) -> Finding:
     """A finding, no longer serious where the method or the model settles it."""
-    if finding.kind == "latency" and finding.fix is None and delayed:
+    if finding.kind == "latency" and finding.fix is None and delayed and "x" not in finding.channels:
         return replace(finding, spoils=False, effect="The fit has a dead time for it.")
     if finding.kind == "closed-loop" and method == "prediction-error":
         return replace(finding, spoils=False)

@@ -12,7 +12,15 @@ import numpy as np
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor import segmentation
-from shipid.trials.doctor.examinations.motion import clock_scale, course, heading, over_ground, track, two_headings
+from shipid.trials.doctor.examinations.motion import (
+    clock_scale,
+    course,
+    heading,
+    late_positions,
+    over_ground,
+    track,
+    two_headings,
+)
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
 from shipid.trials.doctor.examinations.record import clock, frozen, missing, names, outliers, rows, sampling
 from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay, standing
@@ -42,6 +50,7 @@ _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     rates.examine_lag,
     course.examine_course,
     track.examine_track,
+    late_positions.examine_late_positions,
     over_ground.examine_over_ground,
     frozen.examine_frozen,
     steering.examine_movement,

@@ -12,7 +12,7 @@ from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.trial import Trial
 
-_JUMP = 0.05
+_JUMP = 0.02
 """Positions that jump by this share of a distance leave it unknown."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
 
 import numpy as np
@@ -39,6 +40,9 @@ _GATHERS = 0.05
 
 _INEXACT = 0.015
 """An advance that may be off by more than this share of it is said to be."""
+
+_ACROSS = 0.05
+"""A track that leads to the other side by more than this share of the advance is not that of the turn."""
 
 _DRIVES = 0.5
 """Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
@@ -165,6 +169,17 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             drifting = None if why else drift_of(track[0], track[1], *at, way.speed(quarters))
             values, unknown, said = still_water(way, found, quarters, drifting, float(turned[running].max()), why)
             found, reasons, notes = found | values, reasons | unknown, [*notes, *said]
+    if (why := _other_way(found)) is not None:
+        for name in (
+            *_DISTANCES,
+            *(f"{name}_still_water" for name in _DISTANCES),
+            "drift_speed",
+            "drift_uncertainty",
+            "drift_direction",
+        ):
+            if found.pop(name, None) is not None or name in reasons:
+                reasons[name] = why
+        beside, clock, notes = {}, None, []
     found |= _steady(trial, psi, turned, quarters, running, moving, calm)
     swerved, no_course = _approach(psi, when, calm, found.get("steady_rate") or float(smooth[-1]) / (off - when))
     if no_course:
@@ -247,6 +262,14 @@ def _approach(psi: Channel, when: float, calm: float, rate: float | None) -> tup
     if abs(slope) > _NO_COURSE * rate:
         return [], f"{words}: it was on no course, and distances along and across one say nothing"
     return [f"{words}: distances are along and across its heading there, not a steady course"], ""
+
+
+def _other_way(found: Mapping[str, float | None]) -> str | None:
+    """Why the track is no track of this turn: it leads to the other side, as no ship's and no current's does; None where it does not."""
+    across = [found.get("transfer") or 0.0, found.get("tactical_diameter") or 0.0]
+    if min(across) > -_ACROSS * abs(found.get("advance") or np.inf):
+        return None
+    return "the track turns to the other side than the heading: x and y may be exchanged, or one of them counted the other way round"
 
 
 def _unsteady(moving: Channel, when: float, calm: float, way: float, approach: float) -> list[str]:

@@ -294,3 +294,28 @@ def test_an_order_known_to_some_seconds_and_a_track_without_drift_are_told():
     notes = measure(Trial.from_frame(frame)).notes
     assert any("the order is known to 2.5 s only: the advance lies within 12.5 m" in note for note in notes)
     assert any("as if the ship did not drift in the turn" in note for note in notes)
+
+
+@pytest.mark.parametrize(("wrong", "said"), [("leap", "jump by 40 m"), ("stand", "frozen")])
+def test_positions_alone_that_leap_or_stand_give_no_distances(wrong, said):
+    frame = circle(noise=0.05, start=120.0).to_frame().drop(columns=["u [m/s]", "v [m/s]"])
+    t, x, y = (frame[c].to_numpy() for c in ("t [s]", "x [m]", "y [m]"))
+    if wrong == "leap":
+        frame["y [m]"] = y + 40.0 * (t > 180)
+    else:
+        stands = (t > 200) & (t < 220)
+        frame["x [m]"], frame["y [m]"] = np.where(stands, x[t > 200][0], x), np.where(stands, y[t > 200][0], y)
+    found = measure(Trial.from_frame(frame, name="turn"))
+    assert found.advance is None and found.transfer is None and said in found.reasons["advance"]
+
+
+def test_a_track_to_the_other_side_gives_no_distances():
+    """Of a ship that loses two thirds of her speed, positions alone do not tell the doctor that they are exchanged."""
+    t = np.arange(0.0, 1400.0, 1.0)
+    after = np.clip(t - 120, 0, None)
+    psi = np.radians(40 + 0.3 * (after - 40 * (1 - np.exp(-after / 40))))
+    speed = 2.6 + 5.4 * np.exp(-after / 150)
+    north, east = np.cumsum(speed * np.cos(psi)), np.cumsum(speed * np.sin(psi))
+    frame = {"t [s]": t, "psi [rad]": psi, "delta [deg]": 35.0 * (t > 120), "x [m]": east, "y [m]": north}
+    found = measure(Trial.from_frame(frame, name="turn"))
+    assert found.advance is None and found.drift_speed is None and "to the other side" in found.reasons["transfer"]

@@ -338,3 +338,23 @@ def test_a_clock_in_another_unit_than_it_says_is_refused(logged):
     frame["t [s]"] *= 1000.0
     with pytest.raises(e.ClockError, match="Write the unit of the clock"):
         measure(Trial.from_frame(frame, name="ms"))
+
+
+def test_a_rudder_drawn_across_an_execute_leaves_it_unknown(logged):
+    trial, orders, overshoots = logged(interval=0.5)
+    frame, t = trial.to_frame(), trial["t"]
+    across = (t > orders[1] - 8) & (t < orders[1] + 22)
+    frame["delta [deg]"] = np.interp(t, t[~across], frame["delta [deg]"][~across])
+    found = measure(Trial.from_frame(frame, name="drawn"))
+    assert found.executes[0] is None and found.overshoots[0] is None and "overshoots[1]" in found.reasons
+    assert np.degrees(found.overshoots[1]) == pytest.approx(overshoots[1], abs=0.2)
+
+
+def test_a_rudder_logged_slowly_and_drawn_between_is_known_at_its_own_samples(logged):
+    trial, _, overshoots = logged(interval=0.5, rudder_rate=5.0, duration=400.0)
+    frame, t = trial.to_frame(), trial["t"]
+    frame["delta [deg]"] = np.interp(t, t[4::10], np.round(frame["delta [deg]"][4::10], 2))
+    found = measure(Trial.from_frame(frame, name="slow"))
+    n = len(found.leading_overshoots)
+    off = np.abs(np.degrees(found.leading_overshoots) - overshoots[:n])
+    assert n > 4 and np.all(off <= np.degrees(found.overshoot_uncertainties[:n]) + 0.05)

@@ -31,6 +31,9 @@ _OFF = 0.08
 _SEEN_FROM = 0.3
 """Share of the way from which on a ramp is seen behind a hole: the way back to the plate is longer than what is seen."""
 
+_SLOW = 0.6
+"""A ramp slower than this share of the rate of the others was not sailed so."""
+
 _ALIKE = 0.05
 """Share by which one ramp of a gear is faster or slower than another."""
 
@@ -168,6 +171,8 @@ def _put_over(
     if steering.logged or not ramp.size or (steering.rate is None and ramp.size > 1):
         return Execute(0.5 * float(t[k] + t[k + 1]), 0.5 * float(t[k + 1] - t[k]), hole)
     left, inaccuracy = _extended(t, y, ramp, level, (size, reach), steering.rate, k)
+    if not np.isfinite(inaccuracy):
+        return Execute(left, 0.5 * (float(t[ramp[-1]]) - left), (left, float(t[ramp[-1]])))
     if hole is not None and steering.rate is not None:
         usual = _at_usual_rate(t[ramp], y[ramp], held, steering.rate)
         left, inaccuracy = min(((left, inaccuracy), usual), key=lambda one: one[1])
@@ -237,6 +242,9 @@ def _extended(
         line = line_through(t[ramp], y[ramp]) if behind else ramp_line(t, y, ramp, held, *way)
         if line is not None and line.slope < 0:
             left, scatter = line.reaches(held, level.scatter)
+            if rate is not None and -line.slope < _SLOW * rate:
+                # No ramp of this gear: a line that was drawn between two samples far apart.
+                return left, np.inf
             # A gear does not start at once: some hundredths of the interval, where the samples lie on the line.
             return left, max(scatter, 0.02 * float(t[k + 1] - t[k]))
     if rate is not None:

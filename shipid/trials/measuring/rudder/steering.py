@@ -11,7 +11,7 @@ from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import UsageError
 from shipid.trials.errors import UnknownColumnError
 from shipid.trials.filling import GAP, usual_interval
-from shipid.trials.holding import repeats_of
+from shipid.trials.holding import between_knots, repeats_of
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.coarse import ramps_of
 from shipid.trials.signals.order import order_against_feedback
@@ -139,8 +139,9 @@ def steering_of(
     logged = column == "delta_order"
     rejected = wrong
     if not logged:
-        # A slow sensor whose last value is written again in every row knows the rudder at its own beat; of few values each is held.
+        # A slow sensor whose last value is written again in every row, or drawn on to the next, knows the rudder at its own beat; of few values each is held.
         again = repeats_of(trial[column])
+        again = between_knots(trial[column]) if again is None else again
         if again is not None and np.count_nonzero(~again) >= _BEATS:
             wrong = again if wrong is None else wrong | again
     channel = _without_blips(channel_of(trial, column, wrong, spikes=False))

@@ -50,10 +50,10 @@ def examine_track(p: WorkingCopy) -> None:
     p : WorkingCopy
         The record, its heading in order; positions, or speed and course over ground where there are none.
     """
-    if p.speed is None:
-        return
     if p.has("x", "y"):
         _jumps(p)
+    if p.speed is None:
+        return
     if not p.has("psi") or len(p) < 60 or p.found("clock-scale"):
         return
     needed = [c for c in ("psi", "u", "v", "U") if p.has(c)]
@@ -79,8 +79,8 @@ def examine_track(p: WorkingCopy) -> None:
 
 def _jumps(p: WorkingCopy) -> None:
     """Find positions that jump farther than the ship can go."""
-    speed = np.hypot(p["u"], p["v"]) if p.has("u", "v") else p["u"] if p.has("u") else p["U"]
     step = np.hypot(np.diff(p["x"]), np.diff(p["y"]))
+    speed = p.speed if p.speed is not None else _made_good(p)
     rough = max(p.noise("x"), p.noise("y"))
     grid = max(float(np.quantile(np.abs(np.diff(p[n])), 0.99)) for n in ("x", "y"))
     fast = float(np.quantile(np.abs(speed), 0.99)) * np.diff(p.t)
@@ -93,6 +93,13 @@ def _jumps(p: WorkingCopy) -> None:
             "The position fix was lost for a while, or its clock lagged: tracks and speeds from positions are wrong there.",
             "Fit heading, rate and speed, and leave the positions out around the jump.", at=far, spoils=False,
         )  # fmt: skip
+
+
+def _made_good(p: WorkingCopy) -> np.ndarray:
+    """Speed over the ground by positions many samples apart [m/s]: their noise is little of it, and a jump is in few of them."""
+    apart = max(1, len(p) // 60)
+    way = np.hypot(*(p[c][apart:] - p[c][:-apart] for c in ("x", "y"))) / (p.t[apart:] - p.t[:-apart])
+    return np.asarray(np.minimum(way, 1.2 * np.quantile(way, 0.9)))
 
 
 def _knots_mistaken(p: WorkingCopy, way: Way) -> float | None:

@@ -11,7 +11,7 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 _MOST = 20
 """Stretches that are looked at: the longest."""
 _SCATTERS = 3.0
-"""A heading that stands where it else scatters counts as one that should have moved so many times what passes unnoticed."""
+"""A channel that stands where it else scatters counts as one that should have moved so many times what passes unnoticed."""
 
 
 def examine_frozen(p: WorkingCopy) -> None:
@@ -23,6 +23,7 @@ def examine_frozen(p: WorkingCopy) -> None:
         The record, its rates and headings put right.
     """
     _frozen(p, ("u", "v", "U", "x", "y", "delta"))
+    _drawn(p, "delta")
 
 
 def examine_frozen_rates(p: WorkingCopy) -> None:
@@ -34,13 +35,13 @@ def examine_frozen_rates(p: WorkingCopy) -> None:
         The record, heading and rate in the same unit and sign.
     """
     _frozen(p, ("psi", "r"))
-    _drawn(p)
+    _drawn(p, "psi")
 
 
-def _drawn(p: WorkingCopy) -> None:
-    """Find a heading that scatters and lies on a straight line meanwhile: what was drawn across a gap shows no peak."""
-    index = p.own("psi") if p.has("psi") else np.empty(0, int)
-    values = p["psi"][index] if index.size else np.empty(0)
+def _drawn(p: WorkingCopy, name: str) -> None:
+    """Find a channel that scatters and lies on a straight line meanwhile: what was drawn across a gap shows no peak and no execute."""
+    index = p.own(name) if p.has(name) else np.empty(0, int)
+    values = p[name][index] if index.size else np.empty(0)
     lines = [
         (int(a), int(b))
         for a, b in robust.straight_runs(p.t[index], values)
@@ -50,10 +51,10 @@ def _drawn(p: WorkingCopy) -> None:
         return
     a, b = max(lines, key=lambda line: line[1] - line[0])
     p.add(
-        "frozen", "psi", 0.95,
-        f"psi lies on one straight line for {b - a + 1} samples ({p.t[index[b]] - p.t[index[a]]:.4g} s) and scatters elsewhere: the line was "
-        "drawn across a gap",
-        "The model is fitted to a motion that was not measured: peaks are cut off.",
+        "frozen", name, 0.95,
+        f"{name} lies on one straight line for {b - a + 1} samples ({p.t[index[b]] - p.t[index[a]]:.4g} s) and scatters elsewhere: the line "
+        "was drawn across a gap",
+        "The model is fitted to a motion that was not measured: peaks are cut off, and executes are not where they seem.",
         "The motion meanwhile is unknown: identify from the stretches on either side.",
         at=np.concatenate([index[a : b + 1] for a, b in lines]),
     )  # fmt: skip
@@ -77,8 +78,12 @@ def _frozen(p: WorkingCopy, names: tuple[str, ...]) -> None:
             continue
         longest = long[np.argsort(lengths[long])[::-1][:_MOST]]
         rated = [(_missed(p, name, int(index[held[k, 0]]), int(index[held[k, 1]])), int(k)) for k in longest]
-        if name == "psi" and not p.found("written-on-change") and robust.never_repeats(p[name][index], held[long]):
-            # A heading that scatters, and stands at its extremes: a sensor at the end of its range, or one that is held.
+        if (
+            name in ("psi", "x", "y")
+            and not p.found("written-on-change")
+            and robust.never_repeats(p[name][index], held[long])
+        ):
+            # A heading that scatters, and stands at its extremes: a sensor at the end of its range, or one that is held; or positions.
             rated = [(max(missed, _SCATTERS), k) for missed, k in rated]
         missed, k = max(rated)
         a, b = int(index[held[k, 0]]), int(index[held[k, 1]])
