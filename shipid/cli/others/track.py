@@ -56,8 +56,9 @@ def track(
 ) -> ExitCode:
     """Track other ships: from plots with clutter and without names to tracks with course, speed and closest approach.
 
-    DETECTIONS is a table with t and range, bearing or x, y or lat, lon, each with its unit; a log of NMEA 0183 with TTM or AIS;
-    or what a format file describes: columns or JSON keys, sensors, the truth. A track that is not sure any longer says that it is lost.
+    DETECTIONS is a table with t and range, bearing (or relative_bearing) or x, y or lat, lon, each with its unit; a log of
+    NMEA 0183 with TTM or AIS; or what a format file describes: columns or JSON keys, sensors, the truth. A track that is not sure
+    any longer says that it is lost.
 
     \b
     shipid track plots.csv --own trial.csv

@@ -42,6 +42,27 @@ def first_fix(own: str | Path, fmt: PlotFormat | None) -> tuple[float, float] | 
     return None if fixes is None else (float(fixes[0, 1]), float(fixes[0, 2]))
 
 
+def own_heading(own: str | Path | None, t: np.ndarray) -> np.ndarray | None:
+    """Return own ship's heading at some times in rad; None where no file is given, or it holds no ``psi``.
+
+    Parameters
+    ----------
+    own : str, Path or None
+        The file.
+    t : ndarray, shape (N,)
+        On the clock of the file, s.
+    """
+    if own is None:
+        return None
+    clock, columns = columns_of(read_record(own))
+    psi = columns.get("psi", np.zeros(0))
+    known = np.isfinite(psi) & np.isfinite(clock) if psi.size else np.zeros(0, bool)
+    if not known.any():
+        return None
+    order = np.argsort(clock[known], kind="stable")
+    return np.interp(t, clock[known][order], np.unwrap(psi[known][order]))
+
+
 def _fixes(path: str | Path) -> np.ndarray | None:
     """Time, latitude and longitude of a trial, rad; None where it holds none."""
     record = read_record(path)

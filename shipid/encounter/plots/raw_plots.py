@@ -22,6 +22,7 @@ _DAY, _MOST_OF_DAY = 86400.0, 43200.0
 NAMES = {
     "range": ("range", "distance", "rng", "dist"),
     "bearing": ("bearing", "azimuth", "brg"),
+    "relative_bearing": ("relative_bearing", "relative bearing", "bearing_relative", "bearing relative"),
     "x": ("x", "north", "n"),
     "y": ("y", "east", "e"),
 }
@@ -30,6 +31,7 @@ OWN = {
     "own_y": ("own_y", "own_east"),
     "own_lat": ("own_lat",),
     "own_lon": ("own_lon",),
+    "own_psi": ("own_psi", "own_heading"),
 }
 
 
@@ -43,7 +45,8 @@ class RawPlots:
         Seconds of 1970, of the day, or of a beginning of the log's own.
     columns : dict of str to ndarray, shape (N,)
         ``range`` and ``bearing`` [m, rad], ``x`` and ``y`` [m], or ``lat`` and ``lon`` [rad]; ``own_x`` and ``own_y``, or
-        ``own_lat`` and ``own_lon``, where own ship is known.
+        ``own_lat`` and ``own_lon``, where own ship is known. Bearings from the bow are ``relative_bearing``, and own ship's heading
+        ``own_psi`` [rad].
     sensor : ndarray of int, shape (N,)
         Which sensor.
     looks, looks_sensor : ndarray, shape (K,)

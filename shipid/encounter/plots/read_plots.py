@@ -10,7 +10,7 @@ import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
 from shipid.encounter.plots.column_doubts import doubts, possible
-from shipid.encounter.plots.given_paths import first_fix, own_among, own_path, true_paths
+from shipid.encounter.plots.given_paths import first_fix, own_among, own_heading, own_path, true_paths
 from shipid.encounter.plots.json_records import plots_of_json
 from shipid.encounter.plots.plot_format import PlotFormat, failed, read_plot_format
 from shipid.encounter.plots.plots import Plots, Sensor, make_plots
@@ -101,7 +101,7 @@ def read_detections(
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = file_of(path)
-    raw = possible(_raw(file, fmt))
+    raw = possible(_from_north(_raw(file, fmt), own, file))
     origin = _origin(raw)
     if own is None and truth is not None and "own_x" not in raw.columns and "own_lat" not in raw.columns:
         own = own_among(truth, fmt)
@@ -163,11 +163,12 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
     t, columns = columns_of(record)
     found = {k: v for k, v in ((k, named(columns, n)) for k, n in (NAMES | OWN).items()) if v is not None}
     pair = pair_of(columns)
-    if not {"range", "bearing"} <= set(found) and not {"x", "y"} <= set(found):
+    bearings = {"bearing", "relative_bearing"} & set(found) if "range" in found else set()
+    if not bearings and not {"x", "y"} <= set(found):
         if pair is None:
             raise UnknownColumnError(
-                f"{record.where} holds no positions of targets: it needs range and bearing, x and y, or lat and lon, "
-                f"each with its unit, and has {', '.join(columns)}."
+                f"{record.where} holds no positions of targets: it needs range and bearing (or relative_bearing, from the bow), x and y, or "
+                f"lat and lon, each with its unit, and has {', '.join(columns)}."
             )
         found |= {"lat": columns[pair[0]], "lon": columns[pair[1]]}
     sensor = np.zeros(t.size, int)
@@ -179,6 +180,19 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
         t = np.where(sensor >= 0, t, np.nan)
     said = doubts(record.values, found, len(fmt.sensors) if fmt else 0)
     return RawPlots(t, found, sensor, notes=(*(record.notes if fmt is None else ()), *said))
+
+
+def _from_north(raw: RawPlots, own: str | Path | None, file: Path) -> RawPlots:
+    """Bearings from the bow made bearings from north, by the heading at each plot."""
+    if "relative_bearing" not in raw.columns or "bearing" in raw.columns:
+        return raw
+    psi = raw.columns.get("own_psi", own_heading(own, raw.t))
+    if psi is None:
+        raise EncounterRequestError(
+            f"the bearings in '{file}' count from the bow, and nothing says how own ship headed: give her path with psi (--own), or a column "
+            "own_psi beside the plots."
+        )
+    return replace(raw, columns=raw.columns | {"bearing": raw.columns["relative_bearing"] + psi})
 
 
 def _origin(raw: RawPlots) -> tuple[float, float] | None:

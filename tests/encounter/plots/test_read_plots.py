@@ -74,6 +74,18 @@ def test_own_ship_from_a_file_of_her_own(tmp_path):
     assert one.approach is not None and one.approach.relative_speed == pytest.approx(math.hypot(9, 3), abs=0.5)
 
 
+def test_bearings_from_the_bow_of_a_ship_that_turns(tmp_path):
+    """The column was refused, and nothing said how such a log is read."""
+    psi = np.deg2rad(350 + 2 * T)
+    from_bow = np.rad2deg(np.arctan2(EAST, NORTH) - psi) % 360
+    log = table(tmp_path / "p.csv", "t [s],range [m],relative_bearing [deg]", T, np.hypot(NORTH, EAST), from_bow)
+    fine = np.arange(0, 120, 0.5)
+    own = table(tmp_path / "own.csv", "t [s],x [m],y [m],psi [deg]", fine, 0 * fine, 0 * fine, (350 + 2 * fine) % 360)
+    is_the_target(read_detections(log, own=own))
+    with pytest.raises(EncounterRequestError, match="count from the bow, and nothing says how own ship headed"):
+        read_detections(log)
+
+
 def test_plots_beyond_own_ships_path_have_no_position(tmp_path):
     own = table(tmp_path / "own.csv", "t [s],x [m],y [m]", T[:20], 5 * T[:20], 0 * T[:20])
     log = table(tmp_path / "p.csv", "t [s],range [m],bearing [deg]", T, 1000 + 0 * T, 10 + 0 * T)
