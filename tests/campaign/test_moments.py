@@ -87,6 +87,7 @@ def test_texts_are_counted_up_to_a_number():
 
 def test_an_angle_is_told_in_degrees_with_the_digits_of_its_interval():
     words = summary(told(Measure("error", "rad"), np.random.default_rng(1).normal(0.5, 0.2, 100)))
+    number = r"\d\d\.\d\d"
     assert re.fullmatch(
-        r"RMSE \d\d\.\d \(\d\d\.\d to \d\d\.\d\) deg, mean error \d\d\.\d \(\d\d\.\d to \d\d\.\d\) deg", words
+        rf"RMSE {number} \({number} to {number}\) deg, mean error {number} \({number} to {number}\) deg", words
     )
