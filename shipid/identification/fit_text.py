@@ -106,14 +106,14 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     for c in comparisons:
         explained = c.fit_percent
         errors = ", ".join(
-            _error_text(s, v) + (f" (fit {fit_words(explained[s])})" if s in explained else "")
+            _error_text(c, s, v) + (f" (fit {fit_words(explained[s])})" if s in explained else "")
             for s, v in c.rmse.items()
         )
         lines.append(f"  {role:<9s}  {c.trial.name}: rms error {errors}")
         if c.departure is not None:
             lines.append(f"             {c.departure}")
         if c.refitted:
-            again = ", ".join(_error_text(s, v) for s, v in c.refitted.items())
+            again = ", ".join(_error_text(c, s, v) for s, v in c.refitted.items())
             lines.append(f"             with rudder bias and initial state refitted: {again}")
         if c.overshoots:
             pairs = [f"{_angle(m)} / {_angle(p)}" for m, p in zip(c.overshoots, c.predicted_overshoots)]
@@ -242,7 +242,7 @@ def fit_words(value: float) -> str:
     value : float
         In percent.
     """
-    return f"{value + 0.0:.1f} %" if value >= -99.95 else "below -100 %"
+    return f"{round(value, 1) + 0.0:.1f} %" if value >= -99.95 else "below -100 %"
 
 
 def _angle(value: float | None) -> str:
@@ -256,6 +256,6 @@ def _value_text(e: Estimate) -> str:
     return uncertain_text(e.value, e.std) + ("" if pretty(e.unit) == "1" else f" {pretty(e.unit)}")
 
 
-def _error_text(signal: str, error: float) -> str:
+def _error_text(c: Comparison, signal: str, error: float) -> str:
     """An error of a signal in its display unit."""
-    return f"{signal} {shown(error, signal, digits=3)}" if np.isfinite(error) else f"{signal} runs away"
+    return f"{signal} {shown(error, signal, c.unit(signal), digits=3)}" if np.isfinite(error) else f"{signal} runs away"

@@ -182,7 +182,9 @@ def identify(
         shown,
         setting.estimated,
         setting.fixed,
-        first_weights(shown, unit_time) if noise is None else given_weights(shown, noise),
+        first_weights(shown, unit_time)
+        if noise is None
+        else given_weights(shown, noise, {s: setting.model[s].given_unit for s in shown}),
         unknown_biases(setting.model, shown, rudder_bias),
     )
     problem = replace(problem, loss=loss)

@@ -11,7 +11,7 @@ from shipid.declaration.component import slug
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty, split, to_si
-from shipid.declaration.vocabulary import given_unit
+from shipid.declaration.vocabulary import display_unit, given_unit
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
 from shipid.foundation.result import Result, ResultEntry, table
 from shipid.parameters.correlation import Joint
@@ -337,9 +337,10 @@ def missing_values(model: Model, values: Mapping[str, float], ship: str) -> Para
     begins = any(f"={_STATED_BY_USER}" not in example for example in examples)
     remark = " (where a search begins: an order of size, not a value of this ship)" if begins else ""
     it = "it" if len(lacking) == 1 else "them"
+    tables = dict.fromkeys("particulars" if n in model.constants else slug(model[n].owner) for n in lacking)
     return ParameterSetError(
-        f"model {model.name} needs {named}, which {ship} does not hold. State {it}, as in {' '.join(examples)}{remark}, or take a ship "
-        f"that has a [{slug(model[lacking[0]].owner)}] table."
+        f"model {model.name} needs {named}, which {ship} does not hold. State {it}, as in {' '.join(examples)}{remark}, or write {it} "
+        f"into the ship's file, in {', '.join(f'[{table}]' for table in tables)}."
     )
 
 
@@ -348,5 +349,5 @@ def _example(model: Model, name: str, values: Mapping[str, float]) -> str:
     # With two speeds: a coefficient that is scaled by the length alone comes out the same.
     start, other = (Scale(values.get("L"), speed).start_of(model[name]) for speed in (1.0, 2.0))
     value = _STATED_BY_USER if start is None or start != other else f"{start:.3g}"
-    unit = model[name].unit
+    unit = display_unit(name, model[name].unit) if value == _STATED_BY_USER else model[name].unit
     return f"--set '{name}={value}{'' if unit == '1' else f' {pretty(unit)}'}'"

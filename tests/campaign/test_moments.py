@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
 
 from shipid.campaign.campaign import Measure
 from shipid.campaign.moments import MeasureTally, RunMoments, Statistic
+from shipid.campaign.result import summary
 
 
 def told(measure: Measure, rows: np.ndarray, size: int = 7) -> Statistic:
@@ -81,3 +83,11 @@ def test_runs_without_a_value_are_counted():
 def test_texts_are_counted_up_to_a_number():
     found = told(Measure("text"), np.array([f"t{k}" for k in range(300)]))
     assert sum(found.texts.values()) == 300 and found.texts["(other)"] == 100
+
+
+def test_an_angle_is_told_in_degrees_with_the_digits_of_its_interval():
+    words = summary(told(Measure("error", "rad"), np.random.default_rng(1).normal(0.5, 0.2, 100)))
+    number = r"\d\d\.\d\d"
+    assert re.fullmatch(
+        rf"RMSE {number} \({number} to {number}\) deg, mean error {number} \({number} to {number}\) deg", words
+    )

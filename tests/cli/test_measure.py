@@ -42,7 +42,7 @@ def test_table_says_which_execute_was_taken(call, log):
         "executes read from the ramp of the rudder (2.5 deg/s)" in answer.out
         and "the order is not logged" in answer.out
     )
-    assert "reversal" in answer.out and "overshoot deg" in answer.out
+    assert "reversal" in answer.out and "overshoot [deg]" in answer.out
     moved = call("measure", log(drop=["delta_order [deg]"]), "--execute", "moved", "--json")
     ordered = json.loads(call("measure", log(drop=["delta_order [deg]"]), "--json").out)
     assert ordered["overshoots_moved"]["value"][0] == pytest.approx(

@@ -72,7 +72,7 @@ def test_what_is_wrong_is_named(ask, words: str) -> None:
 
 
 def test_files_that_are_no_tables(tmp_path: Path) -> None:
-    with pytest.raises(ShipidError, match=r"the plan .* cannot be read: No such file"):
+    with pytest.raises(ShipidError, match=r"the plan .* cannot be read: No such file or directory\. Check the path"):
         read_table(tmp_path / "plan.toml", "plan", ShipidError)
     (tmp_path / "plan.toml").write_text("a = ")
     with pytest.raises(ShipidError, match=r"the plan .* is not valid TOML"):

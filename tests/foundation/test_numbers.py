@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shipid.foundation.numbers import NO_NUMBER, fixed, interval, number, percent, uncertain, uncertain_text
+from shipid.foundation.numbers import NO_NUMBER, estimate, fixed, interval, number, percent, uncertain, uncertain_text
 from shipid.foundation.numbers import given as as_given
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
@@ -86,3 +86,20 @@ def test_a_terminal_shows_no_more_than_seven_figures():
     assert uncertain_text(0.45189912345678, 1e-14) == "0.4518991 ± 1e-14"
     assert uncertain(0.45189912345678, 1e-14).startswith("0.4518991 ± ")
     assert uncertain_text(1234567.89012, 0.00012) == "1234568 ± 0.00012"
+
+
+@pytest.mark.parametrize(
+    ("value", "ends", "factor", "shown"),
+    [
+        (1.350123, (0.77631, 1.92394), 1.0, ("1.35", "0.78 to 1.92")),
+        (5.0372, (4.2971, 5.7773), 57.29578, ("289", "246 to 331")),
+        (-0.07665, (-0.288, 0.1348), 1.0, ("−0.08", "−0.29 to 0.13")),
+        (1.2e-7, (1.0e-7, 1.4e-7), 1.0, ("1.20 × 10⁻⁷", "(1.00 to 1.40) × 10⁻⁷")),
+        (2.0, (2.0, 2.0), 1.0, ("2.00", "")),
+        (2.0, None, 1.0, ("2.00", "")),
+        (None, None, 1.0, (NO_NUMBER, "")),
+        (1.0, (float("nan"), float("nan")), 1.0, ("1.00", "")),
+    ],
+)
+def test_a_value_has_the_digits_of_its_interval(value, ends, factor, shown):
+    assert estimate(value, ends, factor) == shown

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 import shipid
-from shipid.identification.fit_text import noise_lines
+from shipid.identification.fit_text import fit_words, noise_lines
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.trials.conditions import Conditions
 
@@ -37,3 +37,7 @@ def test_trials_at_several_loadings_are_not_pooled_in_silence(drift, drifting):
     alone = shipid.identify(drift, stated[:1], starts=1, validate=stated[1:])
     assert "loadings  the trials state different loadings" in alone.text()
     assert not [w for w in shipid.identify(drift, trials, starts=1).warnings if w.kind == "loadings"]
+
+
+def test_a_fit_of_nothing_has_no_sign():
+    assert fit_words(-0.01) == "0.0 %" and fit_words(-0.06) == "-0.1 %"

@@ -144,6 +144,7 @@ def test_what_is_missing_is_listed_with_its_unit(tmp_path: Path) -> None:
     error = missing_values(model, ship.values(model), "boat")
     assert isinstance(error, ParameterSetError)
     assert "model nomoto needs K [1/s], tau [s], which boat does not hold" in str(error)
+    assert "or write them into the ship's file, in [nomoto]." in str(error)
     assert missing_values(model, {"K": 1.0, "tau": 2.0}, "boat") is None
 
 

@@ -258,3 +258,54 @@ def test_a_card_that_only_a_number_names_says_what_the_number_counts():
         '{% from "macros.html" import table %}{{ table([("Reversal", "k"), ("Execute [s]", "t", "n"), ("±", "s", "n")], rows) }}'
     ).render(rows=[{"k": "2", "t": "180.00", "s": "0.20"}, {"k": "first", "t": "1.0", "s": "0.1"}])
     assert '<th scope="row" data-label="Reversal">2</th>' in text and '<th scope="row">first</th>' in text
+
+
+def test_reversals_have_one_set_of_words_and_stand_with_their_plot(results, pages):
+    measures = results["sheet"].manoeuvres[0].measures
+    heads, rows = measures.table()
+    page, text = pages["sheet"], measures.text()
+    for head in heads:
+        assert f">{head[:1].upper()}{head[1:]}</th>" in page and head in text
+    assert all(cell in page and cell.replace("−", "-") in text for cell in rows[0])
+    # Between the plot and the numbers of the whole zig-zag, in one block that paper does not split.
+    block = page.index('<div class="figures measured">')
+    assert (
+        block
+        < page.index("each overshoot is marked")
+        < page.index(">Check yaw [s]</th>")
+        < page.index(">Measured</th>", block)
+    )
+
+
+def test_a_lone_figure_has_something_beside_it(pages):
+    assert '<div class="figures">\n<figure><svg' in pages["criteria"]
+
+
+class Pitch(shipid.Component):
+    """A propeller whose pitch follows its order."""
+
+    PD = shipid.state("1", "pitch ratio of the propeller", start=0.8)
+    draw = shipid.state("m", "draw of the shaft, to the stern", start=0.1)
+    T_p = shipid.parameter("s", "time constant", start=4.0, low=0.3, high=60)
+
+    @PD.rate
+    def follow(self):
+        """Declared for this test."""
+        return (0.5 - self.PD) / self.T_p
+
+    @draw.rate
+    def give(self):
+        """Declared for this test."""
+        return -self.draw / self.T_p
+
+
+def test_a_state_with_a_name_of_its_own_is_recorded_and_reported(read_page):
+    model = shipid.join("pitch", Pitch, *(c for c in shipid.find_model("nomoto").components))
+    ship = dataclasses.replace(shipid.find_ship("soesterberg"))
+    noise = "psi=0.2 deg,r=0.02 deg/s,PD=0.01,draw=0.01 m"
+    trial = shipid.simulate(model, ship, "zigzag:10/10", values={"T_p": "5 s"}, noise=noise, duration="200 s")
+    assert trial.unit("PD") == "1" and trial.unit("draw") == "m" and "draw 0.01 m" in trial.source.comment
+    levels = dict(part.split("=") for part in noise.split(","))
+    fit = shipid.identify(model, [trial], ship=ship, starts=1, noise=levels)
+    assert "draw 0.0" in fit.text() and " m (fit" in fit.text()
+    assert "Pitch ratio of the propeller" in read_page(render(fit)).text

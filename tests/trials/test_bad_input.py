@@ -31,7 +31,11 @@ def test_missing_file_offers_the_nearest(log, table, tmp_path):
     refused(MissingFileError, tmp_path / "zigzak.csv", "zigzak.csv", "Did you mean zigzag.csv")
     refused(MissingFileError, tmp_path / "no" / "such.csv", "such.csv", "Check the path")
     refused(MissingFileError, tmp_path / "a@b.csv", "a@b.csv")
-    refused(MissingFileError, tmp_path, "is a folder")
+    refused(
+        MissingFileError,
+        tmp_path,
+        "is a folder. Name a trial in it, or several where a command takes them, as in FOLDER/*.csv.",
+    )
 
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# only a comment\n", "t [s],psi [deg]\n"])

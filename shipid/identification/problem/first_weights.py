@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UsageError
 from shipid.parts.sensors import LARGEST_LEVEL, SMALLEST_LEVEL
 
@@ -28,7 +27,7 @@ def first_weights(signals: tuple[str, ...], unit_time: float) -> np.ndarray:
     return np.array([_FIRST.get(s, 1.0) / (unit_time if s == "r" else 1.0) for s in signals])
 
 
-def given_weights(signals: tuple[str, ...], noise: Mapping[str, str | float]) -> np.ndarray:
+def given_weights(signals: tuple[str, ...], noise: Mapping[str, str | float], units: Mapping[str, str]) -> np.ndarray:
     """Return the standard deviations that were given, SI, shape (signals,).
 
     Parameters
@@ -37,6 +36,8 @@ def given_weights(signals: tuple[str, ...], noise: Mapping[str, str | float]) ->
         Fitted signals.
     noise : mapping of str to str
         Standard deviation of each, with its unit.
+    units : mapping of str to str
+        Unit of each inside.
 
     Raises
     ------
@@ -50,7 +51,7 @@ def given_weights(signals: tuple[str, ...], noise: Mapping[str, str | float]) ->
         raise UsageError(
             f"noise levels are given, and none for {', '.join(lacking)}. Give one for every fitted signal."
         )
-    levels = [to_si(noise[s], FIELDS[s].unit, f"noise on {s}") for s in signals]
+    levels = [to_si(noise[s], units[s], f"noise on {s}") for s in signals]
     if min(levels) <= 0:
         raise UsageError("a noise level of zero or less has no weight; give a positive standard deviation.")
     for name, level in zip(signals, levels):

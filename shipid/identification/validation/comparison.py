@@ -115,19 +115,25 @@ class Comparison(Result):
 
         columns = {"t [s]": self.trial["t"]}
         for name, values in self.predicted.items():
-            unit = f" [{_unit(name)}]" if _unit(name) else ""
+            unit = f" [{inside}]" if (inside := self.unit(name)) else ""
             columns |= {f"{name}{unit}": self.trial[name]} if self.trial.has(name) else {}
             columns[f"predicted_{name}{unit}"] = values
         return pd.DataFrame(columns)
 
+    def unit(self, name: str) -> str:
+        """Return the unit of a signal inside; empty where the record does not hold it.
+
+        Parameters
+        ----------
+        name : str
+            The signal.
+        """
+        return FIELDS[name].unit if name in FIELDS else self.trial.units.get(name, "")
+
     def text(self) -> str:
         """Return the comparison in lines of text."""
-        errors = [f"  rms error of {n:<8s} {shown(v, n, _unit(n))}" for n, v in self.rmse.items()]
+        errors = [f"  rms error of {n:<8s} {shown(v, n, self.unit(n))}" for n, v in self.rmse.items()]
         left = [] if self.departure is None else [f"  {self.departure}"]
         return "\n".join(
             [f"trial {self.trial.name} beside its prediction", *errors, *left, *(f"  {n}" for n in self.notes)]
         )
-
-
-def _unit(name: str) -> str:
-    return FIELDS[name].unit if name in FIELDS else ""

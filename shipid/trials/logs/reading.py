@@ -253,7 +253,7 @@ def _check_file(file: Path) -> None:
         raise MissingFileError(f"there is no file '{file}'. {close}Check the path.")
     if file.is_dir():
         raise MissingFileError(
-            f"'{file}' is a folder. Name a trial in it; where several may stand, '{file}/*.csv' without quotes names them all."
+            f"'{file}' is a folder. Name a trial in it, or several where a command takes them, as in FOLDER/*.csv."
         )
     try:
         with file.open("rb") as stream:

@@ -16,24 +16,28 @@ from shipid.parts.sensors import LARGEST_LEVEL, SMALLEST_LEVEL, standard_noise
 _ONLY_MEASURED = {"u", "v", "n", "phi", "p"}
 
 
-def noise_words(deviations: Mapping[str, float]) -> str:
+def noise_words(deviations: Mapping[str, float], own: Mapping[str, str] | None = None) -> str:
     """Return the noise of a simulated trial in words: ``"psi 0.2 deg, r 0.02 deg/s"``, or ``"none"``.
 
     Parameters
     ----------
     deviations : mapping of str to float
         Standard deviations by column, SI.
+    own : mapping of str to str, optional
+        Units of columns outside the vocabulary, by name.
     """
-    return ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
+    return ", ".join(f"{n} {shown(d, n, (own or {}).get(n, ''))}" for n, d in deviations.items()) or "none"
 
 
-def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float]:
+def parse_noise(text: str | Mapping[str, str | float] | None, own: Mapping[str, str] | None = None) -> dict[str, float]:
     """Read the noise of the sensors: ``"none"``, ``"standard"``, or ``"psi=0.2 deg,r=0.02 deg/s"``.
 
     Parameters
     ----------
     text : str, mapping or None
         As above, or standard deviations by column, with a unit or in SI.
+    own : mapping of str to str, optional
+        Units of the states of the model that are recorded where a sensor measures them, by name.
 
     Returns
     -------
@@ -59,12 +63,11 @@ def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float
         pairs = {n.strip(): Typed(v) for n, _, v in parts}
     else:
         pairs = text
+    units = {n: field.unit for n, field in FIELDS.items()} | dict(own or {})
     for name in pairs:
-        if name not in FIELDS:
-            raise UnknownNameError("column to put noise on called", name, FIELDS)
-    deviations = {
-        n: to_si(v, FIELDS[n].unit, f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()
-    }
+        if name not in units:
+            raise UnknownNameError("column to put noise on called", name, units)
+    deviations = {n: to_si(v, units[n], f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()}
     for name, deviation in deviations.items():
         if not 0 <= deviation < np.inf:
             raise UsageError(f"the noise on {name} is {pairs[name]}: a standard deviation is zero or more.")

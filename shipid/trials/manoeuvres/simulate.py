@@ -174,7 +174,9 @@ def simulate(
         acting["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
     logged = recorded_rudder(whole)
-    kept = (*RECORDED, *(n for n in _OWN if n in model.states))
+    own = {n: model[n].unit for n in model.states if n not in FIELDS}
+    deviations = parse_noise(noise, own)
+    kept = (*RECORDED, *(n for n in model.states if n in _OWN or (n in own and n in deviations)))
     there = [n for n in (*kept, *_WAVED.values()) if n in whole]
     reading = dict(zip(there, shown_by(whole, there))) | ({"delta": logged} if "delta" in there else {})
     columns_shown = list(reading.values())
@@ -191,7 +193,6 @@ def simulate(
             f"{run.departure.time:.4g} s after the start. {remedy}"
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
-    deviations = parse_noise(noise)
     columns = {n: run.columns[reading[n]] for n in kept if n in reading}
     if shows:
         # The reading of an instrument has the waves already.
@@ -205,11 +206,12 @@ def simulate(
     changed = "".join(f", {n} {value}" for n, value in (values or {}).items())
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
-        f"{u0:.4g} m/s{changed}, noise {noise_words(deviations)}, seed {seed}{met}"
+        f"{u0:.4g} m/s{changed}, noise {noise_words(deviations, own)}, seed {seed}{met}"
     )
     # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
     notes = beyond_in_run(model, ship, u0, columns, known=True)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
+    units |= {n: unit for n, unit in own.items() if n in table}
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship.name, units
     )

@@ -248,3 +248,8 @@ def test_a_loop_that_is_not_known_says_why():
     """Held for 12 L/U a stage, a tanker that is hardly unstable has not settled near the middle."""
     text = trial_sheet([shipid.simulate("norrbin", "kvlcc2", "spiral:20", sampling="5 s")], length=320.0).text()
     assert "loop width not known, loop height not known: the rate of turn had not settled in stage" in text
+
+
+def test_the_text_says_that_there_are_more_overshoots(sheet):
+    several = sheet.manoeuvres[0].measures.overshoots
+    assert len(several) > 4 and f"deg (the first 4 of {len(several)}); period" in sheet.text()

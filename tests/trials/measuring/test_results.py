@@ -27,3 +27,7 @@ def test_a_direction_is_shown_as_on_a_compass(angle, shown):
 
 def test_a_moment_of_a_clock_that_counts_from_long_ago_keeps_its_hundredths():
     assert "259223.75 s" in TurningCircle(trial="log", execute="order", first_execute=259223.75).text()
+
+
+def test_a_time_has_no_thousandths():
+    assert " 9.7 s" in TurningCircle(trial="log", execute="order", first_execute=9.696).text()

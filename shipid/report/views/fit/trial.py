@@ -56,7 +56,7 @@ def _trial(fit: Fit, role: str, comparison: Comparison, key: str, most: int) -> 
         "role": role,
         "simulated": trial.source.simulated,
         "summary": _summary(trial, model),
-        "inputs": [*_inputs(comparison, model), *_missing(comparison)],
+        "inputs": [*_inputs(comparison, model), *_missing(comparison, model)],
         "runaway": "" if lost is None else number(lost),
         "errors": error_rows(fit, comparison),
         "bias": _bias(comparison, model, role),
@@ -85,10 +85,10 @@ def _inputs(comparison: Comparison, model: Model) -> list[str]:
     return words + held
 
 
-def _missing(comparison: Comparison) -> list[str]:
+def _missing(comparison: Comparison, model: Model) -> list[str]:
     """Say how many samples are there, and what was filled and left out."""
     counts = ", ".join(
-        f"{shown_field(s).label.lower()} {there} of {possible}" for s, (there, possible) in comparison.samples.items()
+        f"{shown(model, s).label.lower()} {there} of {possible}" for s, (there, possible) in comparison.samples.items()
     )
     return [] if comparison.whole else [f"Samples there: {counts}.", *comparison.notes]
 

@@ -130,6 +130,9 @@ def meaning_of(header: str) -> Meaning:
     name = split_header(header)[0]
     if name in FIELDS:
         return Meaning((name,), "the name of the field itself", _unit_of(name))
+    head, _, tail = name.rpartition(" ")
+    if head and _SIGN.search(tail) and (found := meaning_of(head)).fields:
+        return replace(found, unit=tail)
     words = [word for word in re.split(r"[\W_]+|(?<=[^\W\d_A-Z])(?=[A-Z])", name) if word]
     tail = words[-1].lower() if len(words) > 1 else ""
     unit = _UNITS.get(tail)
@@ -141,9 +144,6 @@ def meaning_of(header: str) -> Meaning:
             return Meaning(fields, f"'{name}'{side} {doubt}", unit or _unit_of(text), True)
         if text in _FIELDS:
             return Meaning((_FIELDS[text],), f"'{name}' is a usual name{side}", unit or _unit_of(text))
-    head, _, tail = name.rpartition(" ")
-    if head and _SIGN.search(tail) and (found := meaning_of(head)).fields:
-        return replace(found, unit=tail)
     return _of_a_path(name)
 
 

@@ -35,7 +35,7 @@ def test_an_order_that_is_stamped_early_gives_both_values(early, alone, settings
     assert found.nominal == "20/20"
     [told] = [n for n in found.notes if n.kind == "order-early"]
     assert told.serious and "which is not known" in told
-    assert "set out deg" in found.text()
+    assert "set out [deg]" in found.text()
     assert "order-early" in {f.kind for f in check_trial(trial).serious}
 
 
@@ -52,7 +52,7 @@ def test_gear_that_starts_within_a_second_is_believed(early, alone):
 def test_a_right_order_is_measured_by_and_what_its_stamps_may_hide_is_said(early):
     trial, overshoots = early(0.0, "delta [deg]")
     found = measure(trial)
-    assert found.overshoots_set_out is None and "set out deg" not in found.text()
+    assert found.overshoots_set_out is None and "set out [deg]" not in found.text()
     np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.5)
     [told] = [n for n in found.notes if n.kind == "order-alone"]
     assert "s early would not show" in told
