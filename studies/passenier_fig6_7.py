@@ -18,6 +18,10 @@ lengths farther: 13 11 16 and 17 19 24 m. Where the part of the track under coun
 degrees: a ship that turns K_rho times as fast turns faster under counter-rudder too. With the sway scaled besides, and all that is ahead:
 20 37 34 and 28 44 42 m. Predicted anew by the first-order model with the gain times K_rho: 28 9 5 and 31 26 43 m.
 
+Where the ship's own model is not half as far off as the first-order one, that one is off by 9 to 16 m, or the turn has not begun: on a
+straight course with little rudder the filter's gain wanders within its wide interval (1.53 with a standard deviation of 0.36). With a
+tenth of the noise the own model leaves a fifth of it and less; both are printed.
+
     python studies/passenier_fig6_7.py [--runs 6] [--json] [--figure FILE]
 """
 
@@ -119,20 +123,20 @@ def own_filter(case: Case) -> shipid.ExtendedKalmanFilter:
     )  # fmt: skip
 
 
-def seen(case: Case, truth: Mapping[str, np.ndarray], seed: int) -> dict[str, np.ndarray]:
-    """What the instruments show; fixes every 2 s."""
+def seen(case: Case, truth: Mapping[str, np.ndarray], seed: int, share: float = 1.0) -> dict[str, np.ndarray]:
+    """What the instruments show, with a share of their noise; fixes every 2 s."""
     random = np.random.default_rng([seed, 67])
-    table = {n: truth[n] + random.standard_normal(truth["t"].size) * s for n, s in NOISE.items()}
+    table = {n: truth[n] + random.standard_normal(truth["t"].size) * s * share for n, s in NOISE.items()}
     for n in ("x", "y"):
         table[n][np.arange(table[n].size) % 5 != 0] = np.nan
     return {**table, "t": truth["t"], "delta": truth["delta"], "cruise": np.full(truth["t"].size, pilot_of().own_speed),
             "wind_speed": np.full(truth["t"].size, case.wind), "wind_direction": np.full(truth["t"].size, WIND)}  # fmt: skip
 
 
-def errors(case: Case, seed: int) -> dict[tuple[str, int], float]:
-    """Return the largest distance across the remaining track in m, by way and by the heading turned."""
+def errors(case: Case, seed: int, share: float = 1.0) -> dict[tuple[str, int], float]:
+    """Return the largest distance across the remaining track in m, by way and by the heading turned, with a share of the noise."""
     truth, pilot = sailed(case), pilot_of()
-    record = seen(case, truth, seed)
+    record = seen(case, truth, seed, share)
     filters = cascade().filter(record)
     yaw, position = filters["yaw"], filters["position"]
     own = own_filter(case).filter(record)
@@ -198,6 +202,11 @@ def table(runs: int) -> dict[str, dict[tuple[str, int], float]]:
     return found
 
 
+def ratios(found: Mapping[tuple[str, int], float]) -> list[float]:
+    """The error of the ship's own model over that of the corrected first-order track, by the heading turned."""
+    return [found["own model", d] / found["corrected", d] for d in TURNED]
+
+
 def rows_of(made: Mapping[str, Mapping[tuple[str, int], float]], runs: int) -> list[Claim]:
     """What is claimed, and what came out."""
     spread = f"median of {runs} runs"
@@ -232,15 +241,15 @@ def rows_of(made: Mapping[str, Mapping[tuple[str, int], float]], runs: int) -> l
         "corrected adaptation against none, all cases and headings", "never worse",
         f"worse in {len(worse)} of {len(cells)}" + (f", by {max(worse):.0f} m at most" if worse else ""), not worse, spread,
     ))  # fmt: skip
-    ratios = {}
     for c in CASES:
         if c.cubic or c.wind:
-            ratios[c.name] = [made[c.name]["own model", d] / made[c.name]["corrected", d] for d in TURNED]
-    for name, values in ratios.items():
-        found.append(claim(
-            f"{name}: the ship's own model and its filter over the corrected first-order track, 0 20 40 80 deg turned", "0.5 or less",
-            " ".join(f"{v:.2f}" for v in values), max(values) <= 0.5, spread,
-        ))  # fmt: skip
+            over = ratios(made[c.name])
+            found.append(claim(
+                f"{c.name}: the ship's own model and its filter over the corrected first-order track, 0 20 40 80 deg turned", "0.5 or less",
+                " ".join(f"{v:.2f}" for v in over), max(over) <= 0.5, spread,
+            ))  # fmt: skip
+            shown = " ".join(f"{v:.2f}" for v in ratios(errors(c, 0, 0.1)))
+            found.append(Claim(f"{c.name}: the same with a tenth of the noise", "", shown, "one run", HOLDS, promised=False))
     for c in CASES:
         text = "; ".join(f"{way} {row(c.name, way)}" for way in WAYS)
         found.append(Claim(f"{c.name}, 0 20 40 80 deg turned, m", "", text, spread, HOLDS, promised=False))
