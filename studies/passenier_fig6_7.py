@@ -249,7 +249,9 @@ def rows_of(made: Mapping[str, Mapping[tuple[str, int], float]], runs: int) -> l
                 " ".join(f"{v:.2f}" for v in over), max(over) <= 0.5, spread,
             ))  # fmt: skip
             shown = " ".join(f"{v:.2f}" for v in ratios(errors(c, 0, 0.1)))
-            found.append(Claim(f"{c.name}: the same with a tenth of the noise", "", shown, "one run", HOLDS, promised=False))
+            found.append(
+                Claim(f"{c.name}: the same with a tenth of the noise", "", shown, "one run", HOLDS, promised=False)
+            )
     for c in CASES:
         text = "; ".join(f"{way} {row(c.name, way)}" for way in WAYS)
         found.append(Claim(f"{c.name}, 0 20 40 80 deg turned, m", "", text, spread, HOLDS, promised=False))
