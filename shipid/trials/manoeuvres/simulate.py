@@ -13,6 +13,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.simulator import make_simulator
