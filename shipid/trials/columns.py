@@ -74,7 +74,7 @@ def split_header(text: str) -> tuple[str, str | None]:
     if not match or not match["name"]:
         return _by_ending(text) or (text, None)
     unit = match["square"] if match["square"] is not None else match["round"]
-    return match["name"].strip(), unit.strip()
+    return match["name"].rstrip("/ ").strip(), unit.strip()
 
 
 def _by_ending(text: str) -> tuple[str, str] | None:
