@@ -69,7 +69,8 @@ def wrong_numbers(found: Measures, true: dict[str, float]) -> list[str]:
         if measured is None:
             continue
         if "time" in name:
-            within = max(_SHARE * value, 1.0, getattr(found, "execute_within", None) or 0.0)
+            # From one execute to another.
+            within = max(_SHARE * value, 1.0, 2 * (found.execute_within or 0.0))
         else:
             within = max(_DEGREES, stated) if name.startswith("overshoots") else _SHARE * largest
         if abs(measured - value) > within:

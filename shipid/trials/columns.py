@@ -20,7 +20,7 @@ _SPELLINGS = (
     # Degrees of the compass: pint reads Grad as a thousand million rad, and grad as a hundredth of a right angle, which no ship logs.
     (re.compile(r"(?i:\bdeg(s|r[eé]es?|r[eé]s?)?\b|\bgra(d(er|en|os?|i)?|us?)\b)\.?|º|度"), "deg"),
     (
-        re.compile(r"\bKn\b|(?i:\b(kts?|knots?|knoten|knopen|knop|n(œ|oe)uds?|nudos?|nodi|nós)\b)|ノット|节|節"),
+        re.compile(r"\bKn\b|(?i:\b(kts?|knots?|knoten|knopen|knop|n(œ|oe)uds?|nds|nudos?|nodi|nós)\b)|ノット|节|節"),
         "kn",
     ),  # kN is a force
     (re.compile(r"(?i:(?<=/)(min|minut[eoi]s?|minuten|minutt)\b)|分"), "min"),
@@ -35,6 +35,8 @@ _ENDINGS = {
     "deg": "deg", "rad": "rad", "m": "m", "kn": "kn", "kts": "kn", "knots": "kn", "mps": "m/s", "m_s": "m/s", "degps": "deg/s",
     "dps": "deg/s", "deg_s": "deg/s", "degpmin": "deg/min", "deg_min": "deg/min", "radps": "rad/s", "rad_s": "rad/s", "rpm": "rpm", "rps": "rps",
 }  # fmt: skip
+#: ``psi/deg`` and ``psi in deg``, as tables of laboratories name a quantity and its unit.
+_IN_UNIT = re.compile(r"^(?P<name>\w+)(?:\s*/\s*|\s+in\s+)\(?(?P<unit>[^()\[\]\d][^()\[\]]*?)\)?$")
 _BRACKETED = re.compile(r"^\s*(?P<name>[^\[\]()]*?)\s*(?:\[(?P<square>[^\]]*)\]|\((?P<round>[^)]*)\))\s*$")
 
 
@@ -53,7 +55,7 @@ def spelt(unit: str) -> str:
 
 
 def split_header(text: str) -> tuple[str, str | None]:
-    """Split a header such as ``psi [deg]``, ``psi[deg]``, ``psi (deg)`` or ``psi_deg`` into name and unit.
+    """Split a header such as ``psi [deg]``, ``psi[deg]``, ``psi (deg)``, ``psi/deg`` or ``psi_deg`` into name and unit.
 
     Parameters
     ----------
@@ -72,13 +74,20 @@ def split_header(text: str) -> tuple[str, str | None]:
     if not match or not match["name"]:
         return _by_ending(text) or (text, None)
     unit = match["square"] if match["square"] is not None else match["round"]
-    return match["name"].strip(), unit.strip()
+    return match["name"].rstrip("/ ").strip(), unit.strip()
 
 
 def _by_ending(text: str) -> tuple[str, str] | None:
-    """Name and unit of ``psi_deg``: a field of the vocabulary, and behind it a unit that fits it."""
+    """Name and unit of ``psi_deg``, ``psi/deg`` or ``psi in deg``: a field of the vocabulary, and behind it a unit that fits it."""
     if text in FIELDS:
         return None
+    said = _IN_UNIT.match(text) if len(text) <= _LONGEST_HEADER else None
+    if said and said["name"] in FIELDS:
+        try:
+            units.factor(spelt(said["unit"]), FIELDS[said["name"]].unit)
+        except UnitError:
+            return None
+        return said["name"], said["unit"]
     for ending, unit in _ENDINGS.items():
         name = text.removesuffix(f"_{ending}")
         if name != text and name in FIELDS and name != "t":

@@ -20,6 +20,12 @@ from shipid.trials.errors import ColumnUnitError
         ("  r [deg/s] ", "r", "deg/s"),
         ("psi", "psi", None),
         ("thrust 2 [kN]", "thrust 2", "kN"),
+        ("psi/deg", "psi", "deg"),
+        ("r / (deg/s)", "r", "deg/s"),
+        ("t in s", "t", "s"),
+        ("u in nds", "u", "nds"),
+        ("x/L", "x/L", None),
+        ("psi/2", "psi/2", None),
     ],
 )
 def test_header_is_split_into_name_and_unit(text, name, unit):

@@ -129,15 +129,16 @@ class Faults:
             elif found.kind == "latency" and found.confidence >= LEAST and not found.handled:
                 said.append(Notice(f"latency ({found.channel}): {found.message}", found.kind, channel=found.channel))
         if "psi" in names:
-            # Heading and rate of turn disagree in time, and the heading may be the late one.
+            # Heading and rate of turn disagree in time or in size, and the heading may be the one that is wrong.
             said += [
                 Notice(
-                    f"latency (r): {f.message}; overshoots are right if it is not the heading that is late",
+                    f"{f.kind} (r): {f.message}; overshoots are right if it is not the heading that is {word}",
                     f.kind,
                     channel="r",
                 )
                 for f in self.diagnosis.findings
-                if f.kind == "latency" and f.channel == "r" and f.confidence >= SURE and not f.handled and not f.serious
+                for kind, word, least in (("latency", "late", SURE), ("rate-scale", "wrong", LEAST))
+                if f.kind == kind and f.channel == "r" and f.confidence >= least and not f.handled and not f.serious
             ]
         bearing = self.diagnosis.bearing_on(names)
         if "psi" in names and "delta_order" in names and self.follows:

@@ -235,7 +235,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         heading=float(np.median(signs * (at - course))),
         course=course,
         executes=tuple(shown),
-        execute_within=max(e.within for e in executes),
+        execute_within=max(e.within for e in (*executes, *([] if start is None else [start[0]]))),
         execute_headings=tuple(
             float(v) if f"execute_headings[{k}]" not in reasons else None for k, v in enumerate(at - course, start=1)
         ),

@@ -296,12 +296,12 @@ def test_an_order_known_to_some_seconds_and_a_track_without_drift_are_told():
     assert any("as if the ship did not drift in the turn" in note for note in notes)
 
 
-@pytest.mark.parametrize(("wrong", "said"), [("leap", "jump by 40 m"), ("stand", "frozen")])
+@pytest.mark.parametrize(("wrong", "said"), [("leap", "jump by 20 m"), ("stand", "frozen")])
 def test_positions_alone_that_leap_or_stand_give_no_distances(wrong, said):
-    frame = circle(noise=0.05, start=120.0).to_frame().drop(columns=["u [m/s]", "v [m/s]"])
+    frame = circle(noise=0.05, start=120.0, interval=1.0).to_frame().drop(columns=["u [m/s]", "v [m/s]"])
     t, x, y = (frame[c].to_numpy() for c in ("t [s]", "x [m]", "y [m]"))
     if wrong == "leap":
-        frame["y [m]"] = y + 40.0 * (t > 180)
+        frame["y [m]"] = y + 20.0 * (t > 180)
     else:
         stands = (t > 200) & (t < 220)
         frame["x [m]"], frame["y [m]"] = np.where(stands, x[t > 200][0], x), np.where(stands, y[t > 200][0], y)

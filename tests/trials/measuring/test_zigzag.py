@@ -358,3 +358,28 @@ def test_a_rudder_logged_slowly_and_drawn_between_is_known_at_its_own_samples(lo
     n = len(found.leading_overshoots)
     off = np.abs(np.degrees(found.leading_overshoots) - overshoots[:n])
     assert n > 4 and np.all(off <= np.degrees(found.overshoot_uncertainties[:n]) + 0.05)
+
+
+def test_a_helm_that_wanders_before_the_first_execute_leaves_it_uncertain(logged):
+    trial, orders, _ = logged(interval=0.2, start=30.0)
+    frame, t = trial.to_frame(), trial["t"]
+    frame["delta [deg]"] += 4 * np.sin(2 * np.pi * t / 9) * (t < orders[0])
+    found = measure(Trial.from_frame(frame, name="waves"))
+    assert abs(found.first_execute - orders[0]) <= found.execute_within
+    assert measure(trial).execute_within < 0.2
+
+
+def test_a_record_that_begins_on_the_ramp_does_not_show_the_first_execute(logged):
+    trial, orders, overshoots = logged(interval=0.2, start=30.0)
+    found = measure(trial.window(float(orders[0]) + 0.5, None))
+    assert found.first_execute is None and found.initial_turning_time is None
+    assert np.degrees(found.overshoots[0]) == pytest.approx(overshoots[0], abs=0.1)
+
+
+def test_a_heading_that_may_be_off_by_a_factor_is_told(logged):
+    trial, _, _ = logged(interval=0.5)
+    frame = trial.to_frame()
+    rate = np.degrees(np.gradient(trial["psi"], trial["t"])) + np.random.default_rng(1).normal(0, 0.01, len(trial))
+    frame["psi [deg]"] = frame["psi [deg]"] * 1.05
+    found = measure(Trial.from_frame(frame.assign(**{"r [deg/s]": rate}), name="factor"))
+    assert any(note.kind == "rate-scale" and "if it is not the heading" in note for note in found.notes)

@@ -31,6 +31,9 @@ _OFF = 0.08
 _SEEN_FROM = 0.3
 """Share of the way from which on a ramp is seen behind a hole: the way back to the plate is longer than what is seen."""
 
+_BEGUN = 0.02
+"""Share of the plate's angle from which on a rudder at the first sample may be on its way."""
+
 _SLOW = 0.6
 """A ramp slower than this share of the rate of the others was not sailed so."""
 
@@ -99,7 +102,7 @@ def first_execute(steering: Steering, plate: Plate, moved: float | None = None) 
     before = plate.side * rudder[: plate.first]
     way = abs(plate.angle)
     calm = np.flatnonzero(np.abs(before) < 0.3 * way)
-    if not calm.size:
+    if not calm.size or _on_ramp_from_the_start(steering, t[calm], before[calm], way):
         return None
     # The neutral angle: where the rudder stays before, over a stretch no longer than the plate is held.
     recent = calm[-max(5, plate.last - plate.first) :]
@@ -115,6 +118,13 @@ def first_execute(steering: Steering, plate: Plate, moved: float | None = None) 
     still = np.flatnonzero(y[:share] > -(moved if neutral < moved else neutral + moved))
     k = int(still[-1])
     return _moved(steering.channel, k), plate.side * neutral
+
+
+def _on_ramp_from_the_start(steering: Steering, t: np.ndarray, before: np.ndarray, way: float) -> bool:
+    """Whether the record begins on the ramp: the rudder is off midships, and passes all of its small angles as fast as it moves."""
+    if steering.rate is None or t[0] > steering.channel.t[0] or len(t) < 2 or before[0] < _BEGUN * way:
+        return False
+    return bool(before[-1] - before[0] >= 0.7 * steering.rate * (t[-1] - t[0]))
 
 
 def _refined(steering: Steering, found: Execute, plate: Plate, *, first: bool) -> Execute:

@@ -120,8 +120,11 @@ def level_before(steering: Steering, plate: Plate, recent: np.ndarray) -> Level:
     if len(still) < 5:
         return Level(held_angle(y[recent]))
     noise = 1.4826 * float(np.median(np.abs(np.diff(still)))) / np.sqrt(2)
-    # A helm that wanders is left where it stayed longest; only noise is averaged.
-    return _middle(still[-_MOST:]) if float(np.std(still)) < _CALM * noise else Level(held_angle(y[recent]))
+    if float(np.std(still)) < _CALM * noise:
+        return _middle(still[-_MOST:])
+    # A helm that wanders is left where it stayed longest, or else somewhere on its way; only noise is averaged.
+    held = held_angle(y[recent])
+    return Level(held, 0.5 * float(np.quantile(np.abs(still - held), 0.75)))
 
 
 def _middle(values: np.ndarray) -> Level:

@@ -88,7 +88,7 @@ def _jumps(p: WorkingCopy) -> None:
     if len(far) and len(far) < 0.02 * len(p):
         total = float(np.sum(step[far]))
         p.add(
-            "position-jump", "x,y", robust.confidence_of(float(np.max(step[far] / (fast[far] + 4 * rough))), 2.5, 6),
+            "position-jump", "x,y", robust.confidence_of(float(np.max(step[far] / (fast[far] + 4 * rough))), 2, 4),
             f"the positions jump {counted(len(far), 'time')}, by {total:.4g} m together, farther than the ship can sail",
             "The position fix was lost for a while, or its clock lagged: tracks and speeds from positions are wrong there.",
             "Fit heading, rate and speed, and leave the positions out around the jump.", at=far, spoils=False,
