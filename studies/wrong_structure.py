@@ -68,8 +68,10 @@ class Ship:
         What acts on her in truth, by input, from the columns of the record and a generator: she is sailed again with it.
     logged : callable or None
         What the log makes of the columns.
+    calm : bool
+        Whether the manoeuvres that are kept apart are sailed without what acts on her, which is of one day.
     unseen : mapping of str to str
-        Coefficients (or "a turn", "a zig-zag") about which no such log can tell that they are wrong, and why.
+        Coefficients about which no such log can tell that they are wrong, and why.
     """
 
     words: str
@@ -80,6 +82,7 @@ class Ship:
     sailing: Mapping[str, Any] = field(default_factory=dict)
     acts: Callable[[Columns, np.random.Generator], Columns] | None = None
     logged: Callable[[Columns], Columns] | None = None
+    calm: bool = False
     unseen: Mapping[str, str] = field(default_factory=dict)
 
     def record(self, manoeuvre: str, rng: np.random.Generator, noise: float = 1.0) -> shipid.Trial:
@@ -163,12 +166,12 @@ SHIPS = (
     Ship("a cubic damping", "de-keizer", "soesterberg", {"nomoto": {}, "de-keizer-minimal": {}}, {"alpha3": "2"}),
     Ship("a dead band of the rudder", "de-keizer", "soesterberg", BOTH, acts=played),
     Ship("an unlike turn to both sides", "de-keizer-asymmetric", "soesterberg", BOTH, {"alpha2": "0.3"}),
-    Ship("wind that is not logged", ("DeKeizer", "VanLeeuwenSway", "PlanarMotion", "Wind"), "soesterberg", BOTH | {CHOICE: {}}, sailing={"wind": "15 m/s from 60 deg"}),
-    Ship("current that is not logged", "de-keizer", "soesterberg", BOTH, sailing={"current": "2 kn to 90 deg"}),
-    Ship("gusts", "de-keizer", "soesterberg", BOTH, acts=gusty),
-    Ship("an engine that is slowed", "de-keizer", "soesterberg", BOTH, acts=slowed),
+    Ship("wind that is not logged", ("DeKeizer", "VanLeeuwenSway", "PlanarMotion", "Wind"), "soesterberg", BOTH | {CHOICE: {}}, sailing={"wind": "15 m/s from 60 deg"}, calm=True),
+    Ship("current that is not logged", "de-keizer", "soesterberg", BOTH, sailing={"current": "2 kn to 90 deg"}, calm=True),
+    Ship("gusts", "de-keizer", "soesterberg", BOTH, acts=gusty, calm=True),
+    Ship("an engine that is slowed", "de-keizer", "soesterberg", BOTH, acts=slowed, calm=True),
     Ship("a rudder that is logged late", "de-keizer", "soesterberg", BOTH, logged=late),
-    Ship("a log that shows 5 % too much", "de-keizer", "soesterberg", BOTH, logged=fast, unseen={"K": SCALED, "tau": SCALED}),
+    Ship("a log that shows 5 % too much", "de-keizer", "soesterberg", BOTH, logged=fast, unseen={"K": SCALED, "tau": SCALED, "K_u": SCALED}),
     Ship("a rudder indicator that shows 10 % too much", "de-keizer", "soesterberg", BOTH, logged=larger, unseen={"K": SCALED}),
 )  # fmt: skip
 
@@ -252,7 +255,7 @@ def taken_home(fit: shipid.Fit, ship: Ship, name: str) -> list[Taken]:
 def sailed(ship: Ship, run: int) -> tuple[list[shipid.Trial], list[shipid.Trial]]:
     """Return the records that are fitted, and those that are kept apart: what she really does, without noise."""
     rngs = iter(np.random.default_rng([11, run, k]) for k in range(9))
-    truth = replace(ship, logged=None) if ship.unseen else ship
+    truth = replace(ship, logged=None, acts=None, sailing={}) if ship.calm else replace(ship, logged=None)
     return [ship.record(m, next(rngs)) for m in FITTED], [truth.record(m, next(rngs), noise=0.0) for m in (KEPT, TURN)]
 
 

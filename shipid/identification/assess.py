@@ -46,8 +46,10 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
         compared = (*fit.fitted, *fit.validation)
         structure = _structure(fit) if bands else None
         drawn = draws_of(identified, draws, seed)
-        # What a model lacks is seen in the fitted manoeuvres, and coefficients make up for it there; in a steady turn they need not.
+        # What a ship has and her model lacks is in like manoeuvres alike, and the coefficients make up for it there; in a steady turn
+        # they do not, and for the weather of a day they do nowhere else.
         turning = drawn if fit.lacks is None else draws_of(identified, draws, seed, fit.lacks.errors)
+        drawn = drawn if fit.lacks is None or fit.lacks.lasting else turning
         assessment = Assessment(
             directions_of(identified, [c.measures.words for c in fit.fitted]),
             residuals_of(identified),
