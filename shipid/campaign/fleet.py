@@ -13,7 +13,7 @@ import numpy as np
 
 from shipid.campaign.campaign import Campaign, Measure, Rows, run_number
 from shipid.campaign.errors import CampaignRequestError
-from shipid.campaign.store import HEAD
+from shipid.campaign.store import FLEET, HEAD
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError
@@ -124,7 +124,7 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     about = [asdict(settings), files, digests, generate(model).digest, None if ship is None else parameter_table(ship)]
     identity = hashlib.sha256(json.dumps(about, default=str).encode()).hexdigest()
     run = FleetRun(str(folder.absolute()), tuple(files), settings, tuple(names))
-    return Campaign("fleet", run, measures, batch=1, engine="processes", most=len(files), identity=identity)
+    return Campaign(FLEET, run, measures, batch=1, engine="processes", most=len(files), identity=identity)
 
 
 def _ship(settings: FleetSettings, model: Model) -> ParameterSet | None:

@@ -23,6 +23,8 @@ from shipid.foundation.replacing import replacing, write_text
 
 HEAD = "campaign.json"
 _BATCHES = "batches"
+#: The campaign over the trials of a folder.
+FLEET = "fleet"
 #: What has to agree where runs are added.
 _SAME = {
     "campaign": "campaign",
@@ -189,7 +191,8 @@ def open_store(
     if (folder / HEAD).exists():
         if resume:
             store = read_store(folder)
-            other = [words for key, words in _SAME.items() if store.head[key] != head[key]]
+            words = {**_SAME, "identity": "set of trials, model, ship or settings"} if campaign.name == FLEET else _SAME
+            other = [words[key] for key in _SAME if store.head[key] != head[key]]
             if other:
                 raise CampaignRequestError(
                     f"{folder} holds runs with another {' and another '.join(other)}: they do not mix with these. "

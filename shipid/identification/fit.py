@@ -20,7 +20,12 @@ from shipid.foundation.statistics import plain
 from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
-from shipid.identification.evidence.explained import MOSTLY_DISTURBED, astern_notices, unexplained_notices
+from shipid.identification.evidence.explained import (
+    MOSTLY_DISTURBED,
+    astern_notices,
+    unexplained_notices,
+    unread_wind_notices,
+)
 from shipid.identification.evidence.missing_effect import MissingEffect
 from shipid.identification.fit_text import (
     FIRST,
@@ -347,6 +352,7 @@ class Fit(DrawnResult):
         withheld = next((e.why for e in self.parameters.values() if e.withheld), None)
         found += unexplained_notices(self.fitted, self.identified.scale.unit_time, withheld)
         found += astern_notices(self.model, self.fitted)
+        found += unread_wind_notices(self.model, self.fitted, self.identified.scale.speed)
         found += one_sided_notices([c.trial for c in self.fitted])
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:

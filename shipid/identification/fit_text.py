@@ -13,7 +13,7 @@ from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import number, uncertain_text
 from shipid.foundation.statistics import WHITE
 from shipid.identification.evidence.bias_spread import BiasSpread
-from shipid.identification.evidence.explained import ASTERN, MOTION_UNEXPLAINED, NOT_DETERMINED
+from shipid.identification.evidence.explained import ASTERN, MOTION_UNEXPLAINED, NOT_DETERMINED, WIND_UNREAD
 from shipid.identification.evidence.missing_effect import EFFECT_MISSING
 from shipid.identification.methods import METHODS
 from shipid.identification.problem.prior_shares import held_words
@@ -26,7 +26,7 @@ from shipid.parameters.correlation import Joint
 from shipid.parameters.validity import range_words
 
 #: The kinds of warnings that stand before the coefficients.
-FIRST = (NOT_DETERMINED, MOTION_UNEXPLAINED, EFFECT_MISSING, LASTING, APART, ASTERN)
+FIRST = (NOT_DETERMINED, MOTION_UNEXPLAINED, EFFECT_MISSING, LASTING, APART, ASTERN, WIND_UNREAD)
 
 
 def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:

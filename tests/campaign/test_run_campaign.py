@@ -225,6 +225,11 @@ def test_what_does_not_fit_is_refused(studies, tmp_path):
     with pytest.raises(CampaignRequestError, match="another study file and another measures"):
         other = replace(studies.darts, identity="changed", measures={"miss": Measure("value")})
         run_campaign(other, 40, folder=tmp_path, resume=True)
+    # A folder of trials has no study file.
+    fleet = replace(studies.darts, name="fleet", identity="the trials of Monday")
+    run_campaign(fleet, 40, folder=tmp_path / "fleet")
+    with pytest.raises(CampaignRequestError, match="another set of trials, model, ship or settings: they do not mix"):
+        run_campaign(replace(fleet, identity="one more"), 40, folder=tmp_path / "fleet", resume=True)
     with pytest.raises(CampaignRequestError, match="holds 40 runs already"):
         run_campaign(studies.darts, 20, folder=tmp_path, resume=True)
     again = run_campaign(studies.darts, 20, folder=tmp_path, seed=9, overwrite=True)

@@ -11,6 +11,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import percent
 from shipid.identification.validation.comparison import Comparison
+from shipid.parameters.catalogue import in_wind
 from shipid.trials.speed import astern_from
 
 #: Error of a motion, in shares of its standard deviation, from which a prediction explains nothing: more than 60 % of the power is left.
@@ -22,7 +23,9 @@ COURSE_KEPT = "the course is kept in these trials: nothing but disturbances move
 _MOVES = 5.0
 #: Kinds of the notices.
 NOT_DETERMINED, MOSTLY_DISTURBED, ASTERN = "not-determined", "mostly-disturbances", "goes-astern"
-MOTION_UNEXPLAINED = "motion-unexplained"
+MOTION_UNEXPLAINED, WIND_UNREAD = "motion-unexplained", "wind-unread"
+#: A wind that is slower than this share of the ship's speed is hardly felt beside her own.
+_FELT = 0.5
 #: Motions that are looked at. A heading without a pattern is explained by a rudder bias, which makes a straight line of it.
 _MOTIONS = ("r", "u", "v")
 
@@ -186,6 +189,38 @@ def astern_notices(model: Model, comparisons: Sequence[Comparison]) -> list[Noti
         )
         for name, t in first.items()
         if t is not None
+    ]
+
+
+def unread_wind_notices(model: Model, comparisons: Sequence[Comparison], speed: float | None) -> list[Notice]:
+    """Return what has to be said of trials whose log holds a wind that the model does not read, though one exists that does.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    comparisons : sequence of Comparison
+        The fitted trials.
+    speed : float or None
+        Of the ship before the manoeuvres, m/s.
+    """
+    reader = in_wind(model)
+    if reader is model:
+        return []
+    winds = {
+        c.trial.name: float(np.median(c.trial["wind_speed"][np.isfinite(c.trial["wind_speed"])]))
+        for c in comparisons
+        if c.trial.has("wind_speed", "wind_direction")
+    }
+    return [
+        Notice(
+            f"{name}: the log holds a wind of {wind:.3g} m/s, and {model.name} does not read it: what it did to the ship is taken for her own, "
+            f"and no interval contains that. Take {reader.name}, or a trial in less wind.",
+            WIND_UNREAD,
+            trial=name,
+        )
+        for name, wind in winds.items()
+        if wind > _FELT * (speed or 0.0)
     ]
 
 

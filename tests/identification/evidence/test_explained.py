@@ -12,7 +12,7 @@ import pytest
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UsageError
-from shipid.identification.evidence.explained import least_unexplained, nothing_explained
+from shipid.identification.evidence.explained import least_unexplained, nothing_explained, unread_wind_notices
 
 UNIT = 45 / 4.95
 
@@ -95,9 +95,16 @@ def test_a_speed_that_something_unlogged_changes_is_told_and_one_that_the_turns_
     """A wind of 6 m/s that no log holds gave K_u as 0.95 ± 0.12, where 0.35 is right, without a word."""
     noise = "psi=0.1 deg,r=0.02 deg/s,u=0.03 m/s,v=0.03 m/s"
     for wind, told in (("6 m/s from 60 deg", ["motion-unexplained", "effect-missing"]), (None, [])):
-        trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:20/20", wind=wind, noise=noise, sampling=2.0)
+        logged = shipid.simulate("de-keizer", "soesterberg", "zigzag:20/20", wind=wind, noise=noise, sampling=2.0)
+        trial = replace(logged, table=logged.table.drop(columns=["wind_speed", "wind_direction"], errors="ignore"))
         fit = shipid.identify("de-keizer", [trial], ship="soesterberg", starts=1)
         assert [w.kind for w in fit.warnings] == told
         for notice in fit.warnings[:1]:
             assert notice.serious and str(notice).startswith("The model explains nothing of the forward speed (its")
             assert str(notice) in fit.text()
+        # Where the log holds the wind, the model that reads it is named.
+        known = tuple(replace(c, trial=logged) for c in fit.fitted)
+        said = [w for w in replace(fit, fitted=known).warnings if w.kind == "wind-unread"]
+        assert len(said) == bool(told) and all("Take de-keizer-wind, or" in str(w) for w in said)
+        assert not unread_wind_notices(shipid.find_model("de-keizer-wind"), known, 9.5)
+        assert not unread_wind_notices(fit.model, known, 20.0)
