@@ -117,7 +117,12 @@ def test_a_bare_number_is_refused_as_the_readme_prints_it(clone, capsys):
 
 
 @pytest.mark.parametrize(
-    ("page", "made"), [("filters.md", {"run", "smoothed", "estimate", "tracker"}), ("notebook.md", {"table", "figure"})]
+    ("page", "made"),
+    [
+        ("filters.md", {"run", "smoothed", "estimate", "tracker"}),
+        ("notebook.md", {"table", "figure"}),
+        ("campaigns.md", {"darts", "alpha"}),
+    ],
 )
 def test_the_python_of_a_guide(page, made, clone):
     names: dict[str, object] = {}

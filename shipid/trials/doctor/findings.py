@@ -196,7 +196,7 @@ class Stretch(ResultEntry):
             angles = f" {self.rudder_deg:g}/{self.heading_deg:g}, first to {self.side}"
         elif self.kind == "turn":
             angles = f" with {self.rudder_deg:g} deg of rudder through {self.heading_deg:.0f} deg to {self.side}"
-        return f"{self.start:.6g} to {self.end:.6g} s: {self.kind}{angles}{'' if self.regular else ' (not regular)'}"
+        return f"{self.start:.6g} to {self.end:.6g} s: {self.kind}{angles}{'' if self.regular or self.kind == 'irregular' else ' (not regular)'}"
 
 
 @dataclass(frozen=True, repr=False)

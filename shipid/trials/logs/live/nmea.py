@@ -79,7 +79,7 @@ class LiveNmea:
         self._now: float | None = None
         self._origin: float | None = None
         self._added = 0.0
-        self._stamped = False
+        self._stamped = self._dated = False
         self._sample: dict[str, float] = {}
         self._line = self._sentences = self._lines = 0
         self._place = origin
@@ -139,7 +139,13 @@ class LiveNmea:
         elif not self._stamped and isfinite(utc := fields.get("utc", nan)):
             day = fields.get("day", nan)
             dated = isfinite(day)
-            yield from self._passes(number, utc + (day * DAY if dated else 0.0), dated)
+            time = utc + (day * DAY if dated else 0.0)
+            if self._now is None:
+                self._dated = dated
+            elif dated is not self._dated:
+                # RMC and ZDA say the date, GGA and GLL do not: the clock runs on as it began, whichever of them comes.
+                time += DAY * round((self._now - self._added - time) / DAY)
+            yield from self._passes(number, time, dated or self._dated)
         if self._now is not None and fields:
             stream = tag_source(sentence.front) if "\\" in sentence.front else ""
             self._hear(

@@ -65,3 +65,21 @@ def test_stamps_before_sentences(change, tmp_path):
     times, told = live(nmea(change))
     assert times[-1] == pytest.approx(39, abs=1) and np.diff(times).min() > 0 and np.diff(times).max() < 2
     assert any(f"summer time {change}" in words for words in told)
+
+
+@pytest.mark.parametrize("dated_first", [True, False])
+def test_utc_with_and_without_a_date_is_one_clock(dated_first):
+    """GGA says the time of day, ZDA and RMC its date too: over midnight, whichever of them comes first."""
+    lines = []
+    for second in range(86390, 86410):
+        day, moment = divmod(second, 86400)
+        clock = f"{moment // 3600:02d}{moment // 60 % 60:02d}{moment % 60:02d}"
+        fix = [
+            f"GNGGA,{clock}.00,6327.0,N,01025.2,E,1,10,0.9,5.0,M,40.0,M,,",
+            f"GNZDA,{clock}.00,{4 + day:02d},05,2026,00,00",
+        ]
+        spoken = (*(fix[::-1] if dated_first else fix), f"INHDT,{second - 86390}.0,T", "AGRSA,0.0,A,,V")
+        lines += [f"${text}*{checksum(text)}\n" for text in spoken]
+    found, told = live("".join(lines))
+    assert found == pytest.approx(list(range(20)))
+    assert not any("refused" in line for line in told)
