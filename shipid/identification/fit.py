@@ -358,9 +358,7 @@ class Fit(DrawnResult):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
-        if self.bias_spread is not None and self.bias_spread.notice is not None:
-            found.append(self.bias_spread.notice)
-        found += [self.lacks.notice] if self.lacks is not None else []
+        found += [s.notice for s in (self.bias_spread, self.lacks) if s is not None and s.notice is not None]
         found += self.levels.notices if self.levels is not None and self.identified.method == "prediction-error" else ()
         stated = {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
         found += loading_notices(stated, self.identified.load_part)
