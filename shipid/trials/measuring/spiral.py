@@ -39,6 +39,8 @@ class MeasuredSpiral(Measures):
     ----------
     kind : str
         ``"spiral"``.
+    part, columns
+        The table of the stages, see `Measures`.
     method : {"direct", "reversed"}
         Whether the rudder was held until the rate was steady, or the rate was held by the rudder.
     rudders, rates, ends : tuple of float

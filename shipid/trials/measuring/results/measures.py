@@ -69,6 +69,12 @@ class Measures(Result):
     ----------
     kind : str
         What the manoeuvre is.
+    part : str
+        What several numbers of one quantity belong to, such as a reversal.
+    columns : Mapping of str to tuple
+        Title and decimals of each column of the table of these parts, by its quantity.
+    beside : tuple of str
+        Columns that are left out where nothing of them is known.
     trial : str
         Name of the trial.
     execute : {"order", "moved"}
@@ -84,10 +90,8 @@ class Measures(Result):
     """
 
     kind: ClassVar[str] = "manoeuvre"
-    #: What has one number a reversal or stage: the name of such a part, then title and decimals of each column by its quantity.
     part: ClassVar[str] = ""
     columns: ClassVar[Mapping[str, tuple[str, int]]] = {}
-    #: Columns that are left out where nothing of them is known.
     beside: ClassVar[tuple[str, ...]] = ()
     trial: str
     execute: str

@@ -17,6 +17,8 @@ class ZigZag(Measures):
     ----------
     kind : str
         ``"zig-zag"``.
+    part, columns, beside
+        The table of the reversals, see `Measures`.
     nominal : str
         Rudder angle and heading of the zig-zag, such as 20/10, to the nearest 5 deg.
     first_side : {"starboard", "port"}
