@@ -60,7 +60,7 @@ def own_heading(own: str | Path | None, t: np.ndarray) -> np.ndarray | None:
     if not known.any():
         return None
     order = np.argsort(clock[known], kind="stable")
-    return np.interp(t, clock[known][order], np.unwrap(psi[known][order]))
+    return np.asarray(np.interp(t, clock[known][order], np.unwrap(psi[known][order])))
 
 
 def _fixes(path: str | Path) -> np.ndarray | None:
