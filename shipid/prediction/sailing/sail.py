@@ -18,7 +18,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown
-from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
@@ -26,7 +26,7 @@ from shipid.parameters.replaced import with_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
-from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
+from shipid.prediction.sailing.surroundings import stated_inputs, stated_values, with_waves
 from shipid.prediction.tracks.order import unwrapped
 from shipid.trials.manoeuvres.flows import (
     Flow,
@@ -153,11 +153,7 @@ def sail(
         **(held := stated_inputs(whole, inputs)),
     }
     acting["psi_order"] = np.select([t >= w for w, _ in reversed(orders)], [h for _, h in reversed(orders)], course)
-    lost = [n for n in values or {} if n not in (*whole.parameters, *whole.constants)]
-    if lost:
-        raise UnknownNameError(f"coefficient of model {truth.name} called", lost[0], truth.parameters)
-    replaced = {n: number(v, whole[n].unit, f"'{n}'") for n, v in (values or {}).items()}
-    known = coefficients_of(pilot, whole, u0) | replaced
+    known = coefficients_of(pilot, whole, u0) | stated_values(whole, values)
     known |= {"turn_rate": u0 / (RADIUS * pilot.length)} if pilot.mode == "rate" else {}
     if rudder_limit is not None:
         known["rudder_limit"] = number(rudder_limit, "rad", "the rudder limit")

@@ -16,7 +16,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown
-from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice, notice_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond_in_run
@@ -30,7 +30,7 @@ from shipid.prediction.routes.route_plan import plan_of
 from shipid.prediction.routes.sailings import turned
 from shipid.prediction.sailing.sail import steering
 from shipid.prediction.sailing.simulated_ship import SimulatedShip
-from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
+from shipid.prediction.sailing.surroundings import stated_inputs, stated_values, with_waves
 from shipid.prediction.sailing.voyage import LimitLeft, Voyage, WheelOverDone
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
@@ -149,7 +149,8 @@ def sail_route(
     )
     pushed = driven_by(truth)[0]
     parts = (*windy, Waves) if waves is not None and pushed == "wave_noise" else windy
-    known, acting = _stated(closed_loop(steered, *parts), values, inputs, flows)
+    whole = closed_loop(steered, *parts)
+    known, acting = stated_values(whole, values), {**flows, **stated_inputs(whole, inputs)}
     if waves is not None:
         # What the waves are; the noise that drives them follows, in steps of the ship.
         known, driven = with_waves(truth, waves, known, {}, pilot.length, u0, 1.0, 1, seed)
@@ -213,20 +214,6 @@ def _radius(pilot: Autopilot, route: Route, radius: str | float | None, told: li
             )
         )
     return size
-
-
-def _stated(
-    whole: Model,
-    values: Mapping[str, str | float] | None,
-    inputs: Mapping[str, str | float] | None,
-    flows: Mapping[str, float],
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Coefficients and inputs that are stated, SI."""
-    lost = [n for n in values or {} if n not in (*whole.parameters, *whole.constants)]
-    if lost:
-        raise UnknownNameError(f"coefficient of model {whole.name} called", lost[0], whole.parameters)
-    known = {n: number(v, whole[n].unit, f"'{n}'") for n, v in (values or {}).items()}
-    return known, {**flows, **stated_inputs(whole, inputs)}
 
 
 def _times(

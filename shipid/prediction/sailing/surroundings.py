@@ -1,4 +1,4 @@
-"""What acts on a simulated ship beside her helm: inputs that are held, and waves."""
+"""What is stated of a simulated ship beside her helm: values of her own, inputs that are held, and waves."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from shipid.autopilot.course_changes.weather import Weather, standard_weather
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.foundation.errors import UsageError
-from shipid.trials.manoeuvres.flows import Flow, flow_of
+from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.trials.manoeuvres.flows import Flow, flow_of, number
 from shipid.trials.manoeuvres.sea import driven_by
 
 
@@ -38,6 +38,27 @@ def stated_inputs(model: Model, inputs: Mapping[str, str | float] | None) -> dic
             to_si(value, model[name].given_unit, f"input '{name}'") if isinstance(value, str) else float(value)
         )
     return found
+
+
+def stated_values(model: Model, values: Mapping[str, str | float] | None) -> dict[str, float]:
+    """Return values of the ship that go before those of her set, SI.
+
+    Parameters
+    ----------
+    model : Model
+        What is sailed.
+    values : mapping of str to str or float, optional
+        With units or in SI.
+
+    Raises
+    ------
+    UnknownNameError
+        If a value is none of the model's coefficients.
+    """
+    lost = [n for n in values or {} if n not in (*model.parameters, *model.constants)]
+    if lost:
+        raise UnknownNameError(f"coefficient of model {model.name} called", lost[0], model.parameters)
+    return {n: number(v, model[n].unit, f"'{n}'") for n, v in (values or {}).items()}
 
 
 def with_waves(
