@@ -46,6 +46,8 @@ _EVIDENCE = 50.0
 _ABOUT_AS_WELL = 0.5
 #: Usual and largest size of an effect, in shares of how the ship turns: a model that explains the turns lacks a part of them.
 _USUAL, _SIZES = 0.3, np.geomspace(1e-4, 1.0, 81)
+#: A factor on intervals that nobody sees.
+_WIDER = 1.05
 #: How often the noise is found anew without the effect.
 _TURNS = 2
 #: Singular values below this share of the largest are nothing.
@@ -85,15 +87,13 @@ class MissingEffect:
     @property
     def notice(self) -> Notice:
         """What there is to say of it."""
-        times = (
-            f"up to {number(self.wider, 2)} times as wide as by noise"
-            if self.wider < 100
-            else "far wider than by noise"
-        )
+        wider = f"up to {number(self.wider, 2)} times as wide as" if self.wider < 100 else "far wider than"
+        wider = "hardly wider than" if self.wider < _WIDER else wider
+        leaves = ", or with ".join(EFFECTS[n] for n in self.names)
         return Notice(
-            f"The model lacks an effect: what it leaves of the turns goes with {', or with '.join(EFFECTS[n] for n in self.names)}. Coefficients take the place of it; "
-            f"their intervals hold that and are {times}. They describe manoeuvres like these; a model that has the effect may describe "
-            "the ship (compare).",
+            f"The model lacks an effect: what it leaves of the turns goes with {leaves}. Coefficients take the place of it; their "
+            f"intervals hold what such an effect does to them, and are {wider} by noise. They describe manoeuvres like these; a model "
+            "that has the effect may describe the ship (compare).",
             EFFECT_MISSING,
             effect=list(self.names),
             wider=plain(self.wider),
