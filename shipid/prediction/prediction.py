@@ -65,6 +65,13 @@ class Stage(ResultEntry):
     speed: float
     half_width: float | None
 
+    @property
+    def band_words(self) -> str:
+        """The half width of the band in whole metres, at least one."""
+        if self.half_width is None:
+            return "not known"
+        return f"± {self.half_width:.0f}" if self.half_width >= 0.5 else "below ± 1"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Prediction(DrawnResult):
@@ -119,7 +126,9 @@ class Prediction(DrawnResult):
     def stages(self) -> list[Stage]:
         """The stages of the turn, or of the distance where the ship hardly turns; the end of the track last."""
         track = self.track
-        turned = np.abs(np.rad2deg(track.psi - track.psi[0]))
+        change = np.rad2deg(track.psi - track.psi[0])
+        # To the side of the order: a ship that still turned to the other side goes on there for a while.
+        turned = change * (np.sign(change[-1]) or 1.0)
         found: list[tuple[str, int]] = []
         if turned.max() >= _STAGES[0]:
             wanted = track.order.heading
@@ -215,7 +224,7 @@ class Prediction(DrawnResult):
         rows = [heads] + [
             (
                 s.what, f"{s.t:.0f}", f"{s.ahead:.0f}", f"{s.aside:.0f}", compass(s.heading),
-                f"{s.speed:.2f}", "not known" if s.half_width is None else f"± {s.half_width:.0f}",
+                f"{s.speed:.2f}", s.band_words,
             )
             for s in self.stages
         ]  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,3 +44,18 @@ def test_a_long_track_has_its_stages_where_those_of_a_short_one_are(pilot):
     )
     for one, other in zip(usual.stages[:3], long.stages[:3]):
         assert other.t == pytest.approx(one.t, abs=2.0) and other.what == one.what
+
+
+def test_degrees_turned_count_to_the_side_of_the_order(pilot):
+    """A ship that still turns to port goes on to port for a while: 10 degrees to port are no 10 degrees of a turn to starboard."""
+    start = {"psi": 0.0, "u": 9.5, "r": np.deg2rad(-1.2)}
+    found = shipid.predict_track(pilot, start, heading="60 deg", band="none")
+    assert np.rad2deg(found.track.psi).min() < -11
+    first = found.stages[0]
+    assert first.what == "turned 10 deg" and np.rad2deg(first.heading) == pytest.approx(10, abs=1.5)
+    assert first.band_words == "not known"
+
+
+def test_a_band_of_less_than_a_metre_is_not_none(pilot):
+    stage = shipid.predict_track(pilot, {"psi": 0.0, "u": 9.5}, heading="60 deg", points=20).stages[0]
+    assert [replace(stage, half_width=w).band_words for w in (0.2, 0.6, 12.4)] == ["below ± 1", "± 1", "± 12"]

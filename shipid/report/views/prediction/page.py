@@ -45,7 +45,8 @@ def prediction_page(found: Prediction) -> Page:
     if found.turn is not None:
         answer += [f"{sentence(line)}." for line in found.turn.words]
     if last.half_width is not None:
-        answer.append(f"The 95 % band reaches {fixed(last.half_width, 0)} m to each side there.")
+        reach = f"{fixed(last.half_width, 0)} m" if last.half_width >= 0.5 else "less than 1 m"
+        answer.append(f"The 95 % band reaches {reach} to each side there.")
     serious = [sentence(w) for w in found.warnings if w.serious]
     others = [sentence(w) for w in found.warnings if not w.serious]
     return Page(
@@ -90,7 +91,7 @@ def _stages(found: Prediction) -> list[Row]:
             "aside": fixed(s.aside, 0),
             "heading": compass(s.heading),
             "speed": fixed(s.speed, 2),
-            "band": "not known" if s.half_width is None else f"± {fixed(s.half_width, 0)}",
+            "band": s.band_words,
         }
         for s in found.stages
     ]
