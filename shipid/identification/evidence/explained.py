@@ -207,11 +207,8 @@ def unread_wind_notices(model: Model, comparisons: Sequence[Comparison], speed: 
     reader = in_wind(model)
     if reader is model:
         return []
-    winds = {
-        c.trial.name: float(np.median(c.trial["wind_speed"][np.isfinite(c.trial["wind_speed"])]))
-        for c in comparisons
-        if c.trial.has("wind_speed", "wind_direction")
-    }
+    logged = {c.trial.name: c.trial["wind_speed"] for c in comparisons if c.trial.has("wind_speed", "wind_direction")}
+    winds = {name: float(np.nanmedian(speeds)) for name, speeds in logged.items() if np.isfinite(speeds).any()}
     return [
         Notice(
             f"{name}: the log holds a wind of {wind:.3g} m/s, and {model.name} does not read it: what it did to the ship is taken for her own, "
