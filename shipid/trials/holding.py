@@ -160,7 +160,9 @@ def between_knots(values: np.ndarray) -> np.ndarray | None:
     found, index = None, np.arange(len(values))
     for beat in range(3, len(values) // _KNOTS):
         knots = index[knot % beat :: beat]
-        if np.count_nonzero(bend[knots[1:-1] - 1] > 2.01 * digit) < _KNOTS:
+        bent = bend[knots[1:-1] - 1] > 2.01 * digit
+        # Ramps that begin and end on a beat bend there by themselves; one between two beats bends at both.
+        if np.count_nonzero(bent) < _KNOTS or np.count_nonzero(bent[1:] & bent[:-1]) < _KNOTS // 2:
             continue
         inner = slice(knots[0], knots[-1] + 1)
         drawn = np.interp(index[inner], knots, values[knots])

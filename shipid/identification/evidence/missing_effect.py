@@ -19,6 +19,7 @@ from scipy.signal import lfilter
 
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import number
+from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import plain
 from shipid.identification.noise.autoregression import ORDERS, SAMPLES, Autoregression, autoregression_of
 from shipid.identification.noise.residual_groups import groups_of
@@ -55,8 +56,8 @@ _NOTHING = 1e-8
 _YAW = ("psi", "r")
 
 
-@dataclass(frozen=True, eq=False)
-class MissingEffect:
+@dataclass(frozen=True, eq=False, repr=False)
+class MissingEffect(ResultEntry):
     """An effect that a model lacks.
 
     Attributes
@@ -78,6 +79,9 @@ class MissingEffect:
     errors: np.ndarray
     covariance: np.ndarray
     wider: float
+
+    def __str__(self) -> str:
+        return str(self.notice)
 
     @property
     def lasting(self) -> bool:
