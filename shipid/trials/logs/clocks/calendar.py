@@ -102,9 +102,8 @@ def _days(date: np.ndarray, order: str) -> np.ndarray:
     year = np.where(year < 70, year + 2000, np.where(year < 100, year + 1900, year))
     whole = np.isfinite(date).all(axis=1) & (year < 2500) & (year >= 1900) & (month >= 1) & (month <= 12) & (day >= 1)
     year, month = np.where(whole, year, 1970), np.where(whole, month, 1)
-    months = ((year - 1970) * 12 + month - 1).astype(int).astype("datetime64[M]")
-    first = months.astype("datetime64[D]").astype(int)
-    after = (months + 1).astype("datetime64[D]").astype(int)
+    months = ((year - 1970) * 12 + month - 1).astype(int)
+    first, after = (m.astype("datetime64[M]").astype("datetime64[D]").astype(int) for m in (months, months + 1))
     return np.where(whole & (day <= after - first), first + np.nan_to_num(day) - 1, np.nan)
 
 
