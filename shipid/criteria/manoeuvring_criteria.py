@@ -142,7 +142,9 @@ def _sets(
     if count <= 0:
         return [], "No bands were requested."
     if fit is not None:
-        drawn = draws_of(fit.identified, count, errors=None if fit.lacks is None else fit.lacks.errors)
+        drawn = draws_of(
+            fit.identified, count, errors=fit.lacks.errors if fit.lacks is not None and fit.lacks.steering else None
+        )
         sets = [{**known, **dict(zip(drawn.names, row.tolist()))} for row in drawn.values]
         return sets, "Bands: 95 %, from the covariance of the identified coefficients."
     drawn_set = draw_coefficients(model, ship, count)

@@ -46,10 +46,11 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
         compared = (*fit.fitted, *fit.validation)
         structure = _structure(fit) if bands else None
         drawn = draws_of(identified, draws, seed)
-        # What a ship has and her model lacks is in like manoeuvres alike, and the coefficients make up for it there; in a steady turn
-        # they do not, and for the weather of a day they do nowhere else.
-        turning = drawn if fit.lacks is None else draws_of(identified, draws, seed, fit.lacks.errors)
-        drawn = drawn if fit.lacks is None or fit.lacks.lasting else turning
+        # What a ship has and her model lacks is in like manoeuvres alike, and the coefficients make up for it there; for some of it they
+        # do not in a steady turn, and for the weather of a day nowhere else.
+        wide = drawn if fit.lacks is None else draws_of(identified, draws, seed, fit.lacks.errors)
+        turning = wide if fit.lacks is not None and fit.lacks.steering else drawn
+        drawn = drawn if fit.lacks is None or fit.lacks.lasting else wide
         assessment = Assessment(
             directions_of(identified, [c.measures.words for c in fit.fitted]),
             residuals_of(identified),

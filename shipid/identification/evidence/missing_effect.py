@@ -89,6 +89,14 @@ class MissingEffect(ResultEntry):
         return "heading" not in self.names
 
     @property
+    def steering(self) -> bool:
+        """Whether the gain that makes up for it in a zig-zag is not that of a steady turn: another answer to the rudder, or weather.
+
+        The lost speed and unlike sides are in both alike, and what the bands have of left-out trials holds them.
+        """
+        return self.names[0] in ("lag", "force", "heading")
+
+    @property
     def notice(self) -> Notice:
         """What there is to say of it."""
         wider = f"up to {number(self.wider, 2)} times as wide as" if self.wider < 100 else "far wider than"
