@@ -18,9 +18,9 @@ import pytest
 FACTOR = 64
 #: How far ahead a correction aims, in m.
 AIM = 600.0
-#: Seconds to the wheel-over at which the turn is tried, at which it is armed, and at which the wheel goes over; from the first two on the
-#: clock is slower, so that a page that lags by seconds of real time is in time.
-BUSY, SOON, EARLY = 240.0, 40.0, 2.0
+#: Seconds to the wheel-over at which the turn is tried, at which it is close, at which it is armed, and at which the wheel goes over; from
+#: the first two on the clock is slower, so that a page that lags by seconds of real time is in time. The lid stays open for ten of them.
+BUSY, CLOSE, SOON, EARLY = 240.0, 40.0, 20.0, 2.0
 SLOWER, SLOWEST = 16, 4
 #: The rate of turn in degrees a minute below which the ship is on her leg, and the seconds between two corrections.
 STEADY, LOOKS = 2.0, 40.0
@@ -124,8 +124,10 @@ def sail(page, count: float = math.inf) -> list[float]:
             choose(page, f"×{SLOWER}")
             pause(page, False)
             state = "tried"
-        elif state == "tried" and wheel < SOON:
+        elif state == "tried" and wheel < CLOSE:
             choose(page, f"×{SLOWEST}")
+            state = "close"
+        elif state == "close" and wheel < SOON:
             page.get_by_role("slider", name="Trial heading").focus()
             page.keyboard.press("Enter")
             page.wait_for_selector(".execute[aria-pressed=true]")
