@@ -12,7 +12,7 @@ counterpart in the ship, the overshoots of a zig-zag that was kept apart, and th
 Asked: nothing is silent but where no log of these signals can show the difference; the reason stands beside it.
 For the default choice, `shipid.compare_models` finds the model.
 
-    python studies/wrong_structure.py [--runs 2] [--only WORD] [--no-choice] [--json]
+    python studies/wrong_structure.py [--runs 1] [--only WORD] [--no-choice] [--json]
 """
 
 from __future__ import annotations
@@ -203,8 +203,7 @@ def judged(words: str, truth: float, value: float | None, band: Any, told: bool,
     """Compare a number with the truth."""
     if value is None or band is None:
         return Taken(words, truth, value, "told")
-    held = band is not None and band[0] <= truth <= band[1]
-    right = held or abs(value - truth) <= near
+    right = band[0] <= truth <= band[1] or abs(value - truth) <= near
     return Taken(words, truth, value, "right" if right else "told" if told else "SILENT", band)
 
 

@@ -153,15 +153,18 @@ def missing_effect(
         return None
     kinds = [dict(_effects(problem, data, unit_time)) for data in problem.trials]
     names = [n for n in EFFECTS if all(n in k for k in kinds)]
-    noise: list[Autoregression] | None = None
+    before: float | None = None
     evidence, errors = {}, {}
     for name in names:
         rows, pulled = _rows(solution, yaw, [k[name] for k in kinds], turning)
-        noise = noise or [autoregression_of(r.residual) for r in rows]
-        if not any(model.order for model in noise):
-            return None
+        if before is None:
+            # Without an effect all are alike.
+            noise = [autoregression_of(r.residual) for r in rows]
+            if not any(model.order for model in noise):
+                return None
+            before = _weighed(rows, noise, alone=True).likelihood
         after = _with_effect(rows)
-        evidence[name] = after.likelihood - _weighed(rows, noise, alone=True).likelihood
+        evidence[name] = after.likelihood - before
         second = np.outer(after.mean, after.mean) + after.covariance
         errors[name] = pulled @ second @ pulled.T
     best = max(evidence, key=evidence.__getitem__, default="")
