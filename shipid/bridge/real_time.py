@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -16,6 +17,8 @@ from shipid.foundation.aliases import Plain
 DISPLAY = 0.1
 #: The loop steps the core for so long at a stretch, in s; time that it cannot catch up with is given up.
 _STRETCH, _LAG = 0.08, 2.0
+#: For so many seconds after time was given up, the page says that the simulation is slower than its clock factor.
+_SLOWED = 10.0
 
 
 class RealTime:
@@ -43,7 +46,7 @@ class RealTime:
         self._shown = asyncio.Condition()
         self._predicting: asyncio.Future[PredictionAnswer] | None = None
         self._thread = ThreadPoolExecutor(1, "predictor")
-        self._target = core.t
+        self._target, self._gave_up = core.t, -math.inf
 
     async def run(self) -> None:
         """Run until the task is cancelled."""
@@ -55,7 +58,7 @@ class RealTime:
         try:
             while True:
                 now = self._clock()
-                self._advance(now - before)
+                self.advance(now - before)
                 before = now
                 self._ask()
                 if now >= display:
@@ -69,24 +72,37 @@ class RealTime:
             await core.source.stop()
             self._thread.shutdown(wait=False, cancel_futures=True)
 
-    def _advance(self, elapsed: float) -> None:
-        """Step the core up to the time that is due."""
+    def advance(self, elapsed: float) -> None:
+        """Step the core up to the time that is due, and ask what is due on the way.
+
+        Parameters
+        ----------
+        elapsed : float
+            Since the last call, in s on the wall.
+        """
         core, began = self.core, self._clock()
         if core.paused:
             return
         self._target += elapsed * (core.clock_factor or 1.0)
         interval = core.filter_interval
-        while core.t + interval <= self._target + 1e-9:
+        while core.t + interval <= self._target + 1e-9 and not self._waits:
             core.step(core.t + interval)
+            self._ask()
             if self._clock() - began > _STRETCH:
                 break
         late = self._target - core.t - interval
         if late > _LAG * (core.clock_factor or 1.0):
-            # A simulation that the machine cannot keep up with runs slower; live samples go on at the present time.
+            # A simulation that filters or predictor cannot keep up with runs slower; live samples go on at the present time.
             if core.source.timed:
-                self._target = core.t + interval
+                self._target, self._gave_up = core.t + interval, began
             else:
                 core.step(self._target)
+        core.slowed = began - self._gave_up < _SLOWED
+
+    @property
+    def _waits(self) -> bool:
+        """Whether time stands until the predictor has answered: simulated time does, or the track pilot would order late."""
+        return self.core.source.timed and self._predicting is not None
 
     def _ask(self) -> None:
         """Put the next question to the predictor, once it has answered the one before."""

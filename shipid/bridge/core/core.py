@@ -79,6 +79,8 @@ class BridgeCore:
         Answers the questions of `question`.
     t : float
         The time of the last step in s.
+    slowed : bool
+        Whether the machine cannot keep up with the clock factor.
     """
 
     def __init__(
@@ -109,7 +111,7 @@ class BridgeCore:
         self.console = self._console(route is not None, heading, rudder_limit)
         self.t = 0.0
         self.clock_factor: float | None = 1.0 if source.timed else None
-        self.paused = False
+        self.paused = self.slowed = False
         self.tracks = ShownTracks(self.console, self.own_ship, self.watch, prediction_interval, predicts)
         self._alarm_watch = AlarmWatch(self.alarms, source, self.own_ship, self.watch, recording)
         self._heading_known = self.steered is not None
@@ -286,7 +288,9 @@ class BridgeCore:
     def publish(self) -> None:
         """Bring the board up to date."""
         put, own, t = self.board.put, self.own_ship, self.t
-        state = "paused" if self.paused and self.source.state == "running" else self.source.state
+        state: str = self.source.state
+        if state == "running":
+            state = "paused" if self.paused else "slower than asked" if self.slowed else state
         put("time", {
             "t": number(t, 9), "utc": self._utc(), "source": self.source.kind, "state": state, "clock_factor": number(self.clock_factor),
         })  # fmt: skip

@@ -144,4 +144,6 @@ class ShownTracks:
         known, late = self._own_ship.situation, t - self._answered
         if known is None or late * known.values["u"] <= _BEHIND * self._own_ship.length:
             return None
-        return ShownTrack(None, f"the predictor is {late:.0f} s late: a lower clock factor gives it time.")
+        return ShownTrack(
+            None, f"the predictor is {late:.0f} s late: this computer is too slow, or busy with other work."
+        )
