@@ -415,6 +415,20 @@ def test_the_wheel_over_of_a_ship_that_others_steer_is_warned_of_too(make_core):
     assert "wheel-over to 045.0° within a minute" in texts(core)
 
 
+def test_no_wheel_over_is_told_from_the_first_samples(make_core, pilot):
+    """With this noise the turn would have begun 10 minutes ago by the sample of 2.4 s, 4 minutes before it is due."""
+    points = [(0.0, 0.0), (3000.0, 0.0), (5500.0, -2500.0)]
+    route = bridge_route(route_through(points, radius=700.0), None, 700.0)
+    core = make_core(SimulatedSource(pilot, seed=0), route=route)
+    seen = []
+    for _ in range(15):
+        sail(core, 0.4)
+        seen.append(shown(core)["route"]["wheel_over"])
+    assert seen == [None] * 15 and "wheel-over" not in " ".join(texts(core))
+    sail(core, 20)
+    assert shown(core)["route"]["wheel_over"]["seconds"] > 60
+
+
 def test_the_wheel_over_is_warned_of_a_minute_before(routed):
     sail(routed, 100)
     told = shown(routed)["route"]
