@@ -39,7 +39,7 @@ NOT_EXAMINED = "not examined"
 #: Columns of a coefficient beside its value.
 PARTS = ("std", "low", "high", "standing")
 #: Files that lie beside trials and are none.
-_NO_TRIALS = {".toml", ".md", ".json", ".html", ".pdf", ".py"}
+_NO_TRIALS = {".toml", ".md", ".json", ".html", ".pdf", ".py", ".docx", ".png", ".jpg", ".jpeg"}
 #: What commands leave in a folder of theirs; names that are listed at most.
 _LEFT, _LISTED = (HEAD, "result.json"), 10
 
@@ -85,7 +85,7 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     ----------
     folder : str or Path
         Its files are the trials, in the order of their names; hidden files, folders, copies, and files of kinds that are no logs
-        (TOML, JSON, HTML, Markdown, PDF, Python) are left out; `not_read` says which.
+        (TOML, JSON, HTML, Markdown, PDF, Word, Python, pictures) are left out; `not_read` says which.
     settings : FleetSettings
         What is asked of each.
 

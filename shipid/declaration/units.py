@@ -15,6 +15,8 @@ from shipid.foundation.errors import TypedUnitError, UnitError
 from shipid.foundation.printable import printable
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+#: A power of ten as shipid prints it: ``2.7 × 10⁻⁶``.
+_PRINTED = re.compile(r"^(\s*[-+]?[\d.]+)\s*×\s*10(⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 #: The longest text that is looked at as a unit.
 _LONGEST = 60
@@ -229,7 +231,8 @@ def split(text: str) -> tuple[float, str | None]:
     UnitError
         If the text does not start with a number.
     """
-    match = _NUMBER.match(text)
+    plain = _PRINTED.sub(lambda m: f"{m[1]}e{m[2].translate(_SUPERSCRIPTS)}", text.replace("−", "-"))
+    match = _NUMBER.match(plain)
     if not match:
         raise UnitError(f"'{text}' does not start with a number. Write a value with its unit, as in '9 kn'.")
     return float(match.group(1)), match.group(2) or None

@@ -131,28 +131,15 @@ def uncertain(value: float | None, std: float | None) -> str:
 
 
 def uncertain_text(value: float | None, std: float | None) -> str:
-    """Return the same digits for a terminal: an ASCII minus sign, and powers of ten as in ``1.20e-07``.
+    """Return the same for a terminal, with an ASCII minus sign; a value of its own as a user writes it.
 
     Parameters
     ----------
     value, std : float or None
         The value and its standard deviation.
     """
-    if value is None or not _is_number(value):
-        return NO_NUMBER
-    if std is None or not _is_number(std) or std < 1 / _LARGEST:
-        return f"{value:.6g}"
-    place = last_place(std)
-    # Past six decimals or six figures before the point, powers of ten read better.
-    spread = float(f"{std:.1e}")
-    if value and floor(log10(abs(value))) + place >= _MOST_DIGITS:
-        return f"{value:.{_MOST_DIGITS}g} ± {std:.2g}"
-    if place <= 6 and max(abs(value), spread) < 1e6:
-        # Adding zero takes the sign off a zero.
-        return f"{round(value, place) + 0.0:.{max(0, place)}f} ± {round(spread, place):.{max(0, place)}f}"
-    figures = floor(log10(max(abs(value), spread))) + place + 1
-    # A trailing zero is a digit that is known.
-    return f"{value:#.{min(figures, 12)}g} ± {std:#.2g}".replace(". ", " ").removesuffix(".")
+    known = std is not None and _is_number(std) and std >= 1 / _LARGEST
+    return (uncertain(value, std) if known else given(value)).replace("−", "-")
 
 
 def interval(ends: tuple[float, float] | None, std: float | None) -> str:

@@ -202,8 +202,8 @@ class Plan(DrawnResult):
 
 def _estimate(value: float, std: float | None) -> str:
     """A value with its standard deviation, in the digits that this allows."""
-    return f"{value:.4g} ± {_spread(std)}" if std is None or not isfinite(std) else uncertain_text(value, std)
+    return f"{uncertain_text(value, None)} ± any" if std is None or not isfinite(std) else uncertain_text(value, std)
 
 
 def _spread(std: float | None) -> str:
-    return "any" if std is None else f"{std:#.2g}".removesuffix(".")
+    return "any" if std is None else number(std, 2)

@@ -24,10 +24,21 @@ def test_a_folder_with_the_sheet_and_its_conditions(tmp_path, monkeypatch, capsy
 
 def test_a_day_that_was_partly_unreadable_ends_in_doubt(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    shipid.write_trial(shipid.simulate("de-keizer", ship="soesterberg", manoeuvre="zigzag:10/10"), "ten.csv")
-    (tmp_path / "torn.csv").write_text("t [s],psi [deg]\n0,x\n", encoding="utf-8")
-    assert run(["report", "ten.csv", "torn.csv", "--length", "226 m"]) == 5
-    assert "not measured: torn.csv" in capsys.readouterr().out
+    day = tmp_path / "day"
+    (day / "photos").mkdir(parents=True)
+    (day / "photos" / "bow.jpg").write_text("x")
+    (day / "day.toml").write_text("[trial]\n")
+    shipid.write_trial(shipid.simulate("de-keizer", ship="soesterberg", manoeuvre="zigzag:10/10"), day / "ten.csv")
+    (day / "torn.csv").write_text("t [s],psi [deg]\n0,x\n", encoding="utf-8")
+    assert run(["report", "day", "--length", "226 m"]) == 5
+    told = capsys.readouterr()
+    assert "1. zig-zag 10/10" in told.out and "not measured: day/torn.csv" in told.out and "day.toml" not in told.out
+    assert "folders in it are not read, give them each by itself: photos" in told.err
+
+
+def test_a_folder_without_a_log_is_told(tmp_path, capsys):
+    assert run(["report", str(tmp_path)]) == 3
+    assert "there are no trials in" in capsys.readouterr().err
 
 
 def test_conditions_that_are_not_there_are_told(tmp_path, monkeypatch, capsys):

@@ -29,6 +29,7 @@ from shipid.foundation.errors import UnitError
         ("3", "1", 3.0),
         (3, "1", 3.0),
         ("1.7 -", "1", 1.7),
+        ("−2.7 × 10⁻⁶ 1/s", "1/s", -2.7e-6),
     ],
 )
 def test_values_come_in_with_a_unit(value: object, wanted: str, si: float) -> None:

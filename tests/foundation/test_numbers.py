@@ -36,14 +36,15 @@ def test_two_digits_of_the_standard_deviation_decide(value, std, shown):
         (1.5937, 0.00602, "1.5937 ± 0.0060"),
         (-0.0247, 0.0215, "-0.025 ± 0.021"),
         (0.99, 0.0996, "0.99 ± 0.10"),
-        (1.23456e-7, 2e-9, "1.235e-07 ± 2.0e-09"),
-        (7.654321e6, 1234.0, "7.6543e+06 ± 1.2e+03"),
+        (1.23456e-7, 2e-9, "(1.235 ± 0.020) × 10⁻⁷"),
+        (7.654321e6, 1234.0, "(7.6543 ± 0.0012) × 10⁶"),
         (0.32, 0.0041, "0.3200 ± 0.0041"),
         (-3.1, 13000.0, "0 ± 13000"),
-        (3.2e-8, 4e-10, "3.200e-08 ± 4.0e-10"),
-        (3.2e6, 4e3, "3.2000e+06 ± 4.0e+03"),
+        (3.2e-8, 4e-10, "(3.200 ± 0.040) × 10⁻⁸"),
+        (3.2e6, 4e3, "(3.2000 ± 0.0040) × 10⁶"),
         (1500.0, 520.0, "1500 ± 520"),
         (1.25, None, "1.25"),
+        (-2.5e-8, None, "-2.5 × 10⁻⁸"),
         (float("inf"), 1.0, NO_NUMBER),
     ],
 )
@@ -83,9 +84,9 @@ def test_a_percentage_has_a_space():
 
 def test_a_terminal_shows_no_more_than_seven_figures():
     """A record without noise has intervals of rounding errors: they allow no twelve figures, on no page and on no terminal."""
-    assert uncertain_text(0.45189912345678, 1e-14) == "0.4518991 ± 1e-14"
+    assert uncertain_text(0.45189912345678, 1e-14) == "0.4518991 ± 1.0 × 10⁻¹⁴"
     assert uncertain(0.45189912345678, 1e-14).startswith("0.4518991 ± ")
-    assert uncertain_text(1234567.89012, 0.00012) == "1234568 ± 0.00012"
+    assert uncertain_text(1234567.89012, 0.00012) == "1.234568 × 10⁶ ± 1.2 × 10⁻⁴"
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
@@ -184,6 +185,21 @@ def window_of(text: str) -> Window:
         raise UsageError(f"the window '{text}' is not A:B in seconds of the trial's clock, as in 1622:1712.") from None
 
 
+def _trials_in(name: str) -> list[str]:
+    """A trial as it is named, and of a folder the logs in it; what lies there and is not read is told."""
+    if not Path(name).is_dir():
+        return [name]
+    from shipid.campaign.fleet import not_read, trial_files
+    from shipid.foundation.errors import MissingFileError
+
+    inside, left = trial_files(Path(name)), not_read(Path(name))
+    for note in left:
+        say(f"{name}: {note}")
+    if not inside:
+        raise MissingFileError(f"there are no trials in '{name}'. Give the folder that holds their files.")
+    return [str(Path(name, file)) for file in inside]
+
+
 def _read_by(reader: Callable[[str], object]) -> Callable[[click.Context, click.Parameter, str | None], object]:
     """Return click's callback for an option whose value is read by a function, None where it is not given."""
     return lambda _context, _parameter, text: None if text is None else reader(text)
@@ -192,7 +208,14 @@ def _read_by(reader: Callable[[str], object]) -> Callable[[click.Context, click.
 model_argument = click.argument("model", shell_complete=complete_model)
 model_option = click.option("--model", required=True, metavar="MODEL", help=_MODEL, shell_complete=complete_model)
 optional_model_option = click.option("--model", metavar="MODEL", help=_MODEL, shell_complete=complete_model)
-trials_argument = click.argument("trials", nargs=-1, required=True, metavar="TRIAL...", shell_complete=complete_file)
+trials_argument = click.argument(
+    "trials",
+    nargs=-1,
+    required=True,
+    metavar="TRIAL|FOLDER...",
+    callback=lambda _context, _parameter, names: tuple(trial for name in names for trial in _trials_in(name)),
+    shell_complete=complete_file,
+)
 format_option = click.option(
     "--format",
     "format_",

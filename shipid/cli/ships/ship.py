@@ -181,7 +181,7 @@ def _shown(value: Value, unit: str) -> str:
     tail = "" if unit == "1" else f" {unit}"
     if isinstance(value.value, tuple):
         return f"{min(value.value):g} to {max(value.value):g}{tail}"
-    return (f"{value.value:g}" if value.std is None else uncertain_text(value.value, value.std)) + tail
+    return uncertain_text(value.value, value.std) + tail
 
 
 def _table(value: Value) -> str:

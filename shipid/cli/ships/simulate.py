@@ -57,7 +57,11 @@ if TYPE_CHECKING:
     "--noise", default="none", show_default=True, help=f"Of the sensors: none, standard, or a list, {LEVELS}."
 )
 @seed_option("the noise and the random telegraph")
-@click.option("--duration", type=NumberWithUnit("s"), help="As in '600 s'; long enough for the manoeuvre by default.")
+@click.option(
+    "--duration",
+    type=NumberWithUnit("s"),
+    help="As in '600 s'; long enough for the manoeuvre by default. The stages of a spiral share it.",
+)
 @sampling_option
 @click.option(
     "--heading", type=NumberWithUnit("deg"), default="0 deg", show_default=True, help="Heading of the approach."

@@ -45,7 +45,7 @@ def report(
 
     \b
     shipid report zigzag.csv turn.csv --length '175 m' --out sheet --open
-    shipid report log.csv --format logger.toml --conditions day.toml --out sheet
+    shipid report day/ --format logger.toml --conditions day.toml --out sheet
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.criteria.measured.trial_sheet import trial_sheet
 

@@ -141,7 +141,8 @@ def plan(
     seed : int
         Of the random telegraph.
     duration : float, optional
-        In s; by default long enough for five executes, a full circle with pull-out, or all steps.
+        In s; by default long enough for five executes, a full circle with pull-out, or all steps. The stages of a direct spiral share
+        the one that is stated.
 
     Returns
     -------
@@ -195,15 +196,21 @@ def _turn(asked: _Asked) -> PlannedManoeuvre:
     return PlannedManoeuvre(TurningHelm, constants, asked.duration or asked.start + 60 * asked.unit)
 
 
+_DOWN = np.array([1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0, -0.05, -0.1, -0.2, -0.4, -0.6, -0.8, -1.0])
+#: Down and back up in steps that get finer near amidships, where a loop would show.
+_STAIRS = np.concatenate([_DOWN, _DOWN[-2::-1]])
+
+
 def _stairs(largest: float, start: float, step: float) -> list[tuple[float, float]]:
-    """Down and back up in steps that get finer near amidships, where a loop would show."""
-    fractions = np.array([1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0, -0.05, -0.1, -0.2, -0.4, -0.6, -0.8, -1.0])
-    levels = largest * np.concatenate([fractions, fractions[-2::-1]])
-    return [(0.0, 0.0), *((start + i * step, float(v)) for i, v in enumerate(levels))]
+    """Each stage of a spiral with its begin and its level, after the straight approach."""
+    return [(0.0, 0.0), *((start + i * step, float(v)) for i, v in enumerate(largest * _STAIRS))]
 
 
 def _spiral(asked: _Asked) -> PlannedManoeuvre:
     step = 12 * asked.unit
+    if asked.duration is not None and asked.duration > asked.start:
+        # A time that is stated is that of all stages: where the loop of an unstable ship ends, she needs long to settle.
+        step = (asked.duration - asked.start) / len(_STAIRS)
     schedule = _stairs(asked.numbers[0], asked.start, step)
     return PlannedManoeuvre(ScheduledOrder, {}, asked.duration or schedule[-1][0] + step, schedule)
 

@@ -147,15 +147,16 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
                 f"{angle(change, 2)}/s over the last third"
             )
     width, height, slope = (_direct_loop if method == "direct" else _reversed_loop)(rudders, rates)
-    why = "the stages do not go from one side to the other and back"
-    if method == "direct" and (inside := [k for k in unsettled if _matters(k, rudders, rates)]):
-        width = height = slope = None
-        why = f"the rate of turn had not settled in stage {', '.join(str(k + 1) for k in inside)}; hold the rudder longer there"
+    why_width = why_height = "the stages do not go from one side to the other and back"
+    if method == "direct" and (inside := [k for k in unsettled if _beside_zero(k, rudders)]):
+        height, why_height = None, _not_settled(inside)
+    # The width is read where the rate of turn goes through zero, and counts as one only beside the height.
+    if method == "direct" and (inside := [k for k in unsettled if _beside_zero(k, rates) or _beside_zero(k, rudders)]):
+        width, slope, why_width = None, None, _not_settled(inside)
         known = np.setdiff1d(np.arange(len(rates)), unsettled)
         notes += _bracket(rudders[known], rates[known])
-    for name, value in (("loop_width", width), ("loop_height", height)):
-        if value is None:
-            reasons[name] = why
+    reasons |= {} if width is not None else {"loop_width": why_width}
+    reasons |= {} if height is not None else {"loop_height": why_height}
     if width and height and method == "direct" and height > _LOOP * largest:
         notes += _bracket(rudders, rates)
     return MeasuredSpiral(
@@ -298,10 +299,14 @@ def _bracket(rudders: np.ndarray, rates: np.ndarray) -> list[str]:
     ]
 
 
-def _matters(k: int, rudders: np.ndarray, rates: np.ndarray) -> bool:
-    """Whether the loop is read from a stage: the rudder or the rate goes through zero there, or next to it."""
-    near = slice(max(0, k - 1), k + 2)
-    return bool(np.ptp(np.sign(rudders[near])) > 0 or np.ptp(np.sign(rates[near])) > 0)
+def _beside_zero(k: int, values: np.ndarray) -> bool:
+    """Whether the rudder, or the rate of turn, goes through zero in a stage or next to it."""
+    return bool(np.ptp(np.sign(values[max(0, k - 1) : k + 2])) > 0)
+
+
+def _not_settled(stages: list[int]) -> str:
+    numbers = ", ".join(str(k + 1) for k in stages)
+    return f"the rate of turn had not settled in stage {numbers}; hold the rudder longer there (shipid simulate: --duration)"
 
 
 def _reversed_loop(rudders: np.ndarray, rates: np.ndarray) -> tuple[float | None, float | None, float | None]:

@@ -76,6 +76,14 @@ def test_a_spiral_goes_down_and_back_up() -> None:
     assert made.duration == pytest.approx(begins[-1] + 12 * 20.0)
 
 
+def test_the_stages_of_a_spiral_share_the_time_that_is_stated() -> None:
+    """Longer stages let an unstable ship settle; a last stage that is long would not."""
+    made = plan(parse_manoeuvre("spiral:25"), **ARGUMENTS, duration=20.0 + 29 * 1000.0)
+    begins = np.array([t for t, _ in made.schedule[1:]])
+    np.testing.assert_allclose(np.diff(begins), 1000.0)
+    assert made.duration == pytest.approx(begins[-1] + 1000.0)
+
+
 def test_a_reversed_spiral_asks_for_rates() -> None:
     made = plan(parse_manoeuvre("reversed-spiral:0.5"), **ARGUMENTS)
     assert max(v for _, v in made.schedule) == pytest.approx(0.5 / 20.0)

@@ -102,6 +102,14 @@ def test_stages_that_have_not_settled_give_no_loop():
     assert sum("the loop is 0 deg to" in note for note in found.notes) == 1
 
 
+def test_the_height_of_a_loop_asks_for_the_stages_at_midships_alone():
+    """The jump lies at 2.25 deg, and a stage beside it is slow to leave; at midships she has settled."""
+    found = measure(direct(hold=100.0, b1=-0.088))
+    assert found.loop_width is None and "had not settled" in found.reasons["loop_width"]
+    assert np.degrees(found.loop_height) == pytest.approx(2 * np.sqrt(0.088 / 0.05), rel=0.01)
+    assert "loop_height" not in found.reasons
+
+
 def test_no_zero_has_a_sign():
     trial = direct()
     frame = trial.to_frame()
