@@ -306,7 +306,7 @@ def _beside_zero(k: int, values: np.ndarray) -> bool:
 
 def _not_settled(stages: list[int]) -> str:
     numbers = ", ".join(str(k + 1) for k in stages)
-    return f"the rate of turn had not settled in stage {numbers}; hold the rudder longer there (shipid simulate: --duration)"
+    return f"the rate of turn had not settled in stage {numbers}; hold the rudder longer there"
 
 
 def _reversed_loop(rudders: np.ndarray, rates: np.ndarray) -> tuple[float | None, float | None, float | None]:
