@@ -125,6 +125,8 @@ def _circle(circle: TurningCircle, record: Trial, length: float | None, key: str
     last = float(t[int(np.argmax(side * heading))])
     if reached:
         last = min(last, reached[-1] + (reached[-1] - begin) / len(reached))
+    if last <= begin:  # the heading never turns to the side of the circle: there is nothing to draw
+        return None
     shown = (t >= begin - 0.15 * (last - begin)) & (t <= last)
     size = float(np.hypot(np.ptp(along[shown]), np.ptp(across[shown])))
     every = next((e for e in _TICKS if (t[shown][-1] - begin) / e <= 12), _TICKS[-1])

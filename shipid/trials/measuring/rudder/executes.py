@@ -37,6 +37,9 @@ _BEGUN = 0.02
 _SLOW = 0.6
 """A ramp slower than this share of the rate of the others was not sailed so."""
 
+_STEPS = 0.3
+"""A rudder or an order that goes more than this share of the way within one interval steps."""
+
 _ALIKE = 0.05
 """Share by which one ramp of a gear is faster or slower than another."""
 
@@ -174,8 +177,7 @@ def _put_over(
         k -= 1
     if steering.on_change:
         return Execute(float(t[k + 1]), 0.0)
-    if not steering.logged:
-        k = _foot(t, y, k, held, size, steering)
+    k = _step(y, k, held, size) if steering.logged else _foot(t, y, k, held, size, steering)
     ramp = _ramp(y[k + 1 :], held, size, reach) + k + 1
     hole = steering.channel.hole(0.5 * float(t[k] + t[k + 1]))
     if steering.logged or not ramp.size or (steering.rate is None and ramp.size > 1):
@@ -199,6 +201,12 @@ def _at_usual_rate(t: np.ndarray, y: np.ndarray, held: float, rate: float) -> tu
     return left, _ALIKE * (float(np.mean(t)) - left) + 2 * float(np.std(t - (held - y) / rate)) / float(np.sqrt(len(t)))
 
 
+def _step(y: np.ndarray, k: int, held: float, size: float) -> int:
+    """The last sample before the step of a logged order; a helm that was ordered about before it is passed over."""
+    half = k + 1 + np.flatnonzero(y[k + 1 :] <= held - 0.5 * size)
+    return int(half[0]) - 1 if half.size and y[half[0] - 1] - y[half[0]] > _STEPS * size else k
+
+
 def _foot(t: np.ndarray, y: np.ndarray, k: int, held: float, size: float, steering: Steering) -> int:
     """The last sample before the ramp, or before the step; a helm that wandered before it is passed over."""
     rate = steering.rate
@@ -210,7 +218,7 @@ def _foot(t: np.ndarray, y: np.ndarray, k: int, held: float, size: float, steeri
         return k
     if rate is None:
         # The rudder steps: over within one interval, or two.
-        k = j - 1 if y[j - 1] - y[j] > 0.3 * size else max(k, j - 2)
+        k = j - 1 if y[j - 1] - y[j] > _STEPS * size else max(k, j - 2)
         return k - 1 if k > 0 and y[k] < held - _OFF * size and y[k - 1] > y[k] + 0.02 * size else k
     middle = float(np.interp(-(held - 0.5 * size), -y[[j - 1, j]], t[[j - 1, j]]))
     earlier = np.flatnonzero(t < middle - 0.8 * size / rate)
