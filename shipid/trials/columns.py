@@ -37,7 +37,8 @@ _ENDINGS = {
 }  # fmt: skip
 #: ``psi/deg`` and ``psi in deg``, as tables of laboratories name a quantity and its unit.
 _IN_UNIT = re.compile(r"^(?P<name>\w+)(?:\s*/\s*|\s+in\s+)\(?(?P<unit>[^()\[\]\d][^()\[\]]*?)\)?$")
-_BRACKETED = re.compile(r"^\s*(?P<name>[^\[\]()]*?)\s*(?:\[(?P<square>[^\]]*)\]|\((?P<round>[^)]*)\))\s*$")
+#: The last brackets hold the unit; a remark in round ones may stand before them: ``Rudder (port +) [deg]``.
+_BRACKETED = re.compile(r"^\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<square>[^\]]*)\]|\((?P<round>[^()]*)\))\s*$")
 
 
 @functools.cache

@@ -25,6 +25,8 @@ from shipid.trials.errors import ColumnUnitError
         ("t in s", "t", "s"),
         ("u in nds", "u", "nds"),
         ("x/L", "x/L", None),
+        ("Rudder (port +) [deg]", "Rudder (port +)", "deg"),
+        ("Heading (true) (deg)", "Heading (true)", "deg"),
         ("psi/2", "psi/2", None),
     ],
 )

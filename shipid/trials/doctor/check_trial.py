@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -145,6 +145,7 @@ def examine(
     copy = WorkingCopy(log.record, *_particulars(ship))
     _assumed_units(copy, log.assumed)
     names.examine_names(copy, log.names)
+    names.examine_unread(copy, log.unread)
     rows.examine_marks(copy, log.marks)
     rows.examine_rows(copy)
     with np.errstate(all="ignore"), warnings.catch_warnings():
@@ -207,11 +208,15 @@ def _particulars(ship: ParameterSet | str | None) -> tuple[float | None, float |
     return known.particular("L", "m"), known.particular("speed", "m/s")
 
 
-def _assumed_units(p: WorkingCopy, assumed: tuple[str, ...]) -> None:
-    for name in assumed:
+def _assumed_units(p: WorkingCopy, assumed: Mapping[str, str | None]) -> None:
+    for name, said in assumed.items():
+        unit = p.record.stated[name]
+        told = "no unit that fits" if said is None else f"the unit '{said}', which does not fit"
+        # Numbers under another unit, as percent, are hardly those of the usual one.
         p.add(
-            "unit", name, 0.9, f"the column says no unit that fits; {p.record.stated[name]} was assumed",
+            "unit", name, 0.9 if said is None else 0.8,
+            f"the column says {told}; {unit} was assumed",
             "read_trial does not guess a unit and refuses the record: a wrong guess changes gains by factors of 57 or 1.94.",
-            f"Write '{name} [{p.record.stated[name]}]' in the header, or state the unit in a format file.",
-            fix={"action": "assume-unit", "column": name, "unit": p.record.stated[name]},
+            f"Write '{name} [{unit}]' in the header, or state the unit in a format file.",
+            fix={"action": "assume-unit", "column": name, "unit": unit},
         )  # fmt: skip

@@ -44,18 +44,21 @@ class GuessedRecord:
     ----------
     record : LenientRecord
         In the units inside a trial; NaN, repeated stamps and wraps included. `stated` holds a unit for every column.
-    assumed : tuple of str
-        Columns that say no unit that fits, for which the usual one was assumed.
+    assumed : Mapping of str to str or None
+        Columns for which the usual unit was assumed, and the unit they say, which does not fit; None where they say none.
     marks : Mapping of str to Mapping of int to float
         By column and row the numbers, as printed, that stand for a missing sample; NaN in the record.
     names : Mapping of str to str
         Headers by the name that was guessed from them.
+    unread : Mapping of str to str or None
+        Columns of no field that were left out, and the unit they say, which is none; None where they say nothing.
     """
 
     record: LenientRecord
-    assumed: tuple[str, ...] = ()
+    assumed: Mapping[str, str | None] = field(default_factory=dict)
     marks: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
+    unread: Mapping[str, str | None] = field(default_factory=dict)
 
 
 def from_trial(trial: Trial) -> GuessedRecord:
@@ -110,6 +113,7 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
     """
     fmt = record.format
     names: dict[str, str] = {}
+    printed = record
     if fmt is None:
         record, names = _with_names(record)
     else:
@@ -118,6 +122,8 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
         clocks = UnknownColumnError | NoUnitError | ClockError
         raise next(fault for fault in record.faults if isinstance(fault, clocks))
     record, assumed = _with_units(record)
+    read = {*record.values, *names.values()}
+    unread = {c: printed.stated.get(c) for c in printed.values if c not in read and not _fits(c, printed.stated)}
     notes, faults = record.notes, record.faults
     if record.window is not None and (fmt is None or fmt.interval is None):
         # Whether a number stands for a missing sample is judged by the samples of the window.
@@ -133,7 +139,7 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
         record = record.keep(within)
         marks = {c: {place[k]: v for k, v in cells.items() if k in place} for c, cells in marks.items()}
     # What is done about a log stands in the findings, not in the notes.
-    return GuessedRecord(replace(record, notes=notes, faults=faults), assumed, marks, names)
+    return GuessedRecord(replace(record, notes=notes, faults=faults), assumed, marks, names, unread)
 
 
 def _without_marks(record: LenientRecord) -> tuple[LenientRecord, dict[str, dict[int, float]]]:
@@ -214,18 +220,19 @@ def _with_clock(record: LenientRecord) -> LenientRecord:
     return replace(record, values={**record.values, "t": t}, stated={**record.stated, "t": "s"}, notes=notes)
 
 
-def _with_units(record: LenientRecord) -> tuple[LenientRecord, tuple[str, ...]]:
+def _with_units(record: LenientRecord) -> tuple[LenientRecord, dict[str, str | None]]:
     """Assume the usual unit of a column of the vocabulary that says none that fits; leave out others that do not."""
-    values, stated, assumed = dict(record.values), dict(record.stated), []
+    values, stated = dict(record.values), dict(record.stated)
+    assumed: dict[str, str | None] = {}
     for name in record.values:
         if _fits(name, stated):
             continue
         if name in FIELDS:
+            assumed[name] = stated.get(name)
             stated[name] = FIELDS[name].display
-            assumed.append(name)
         else:
             del values[name]
-    return replace(record, values=values, stated=stated), tuple(assumed)
+    return replace(record, values=values, stated=stated), assumed
 
 
 def _fits(name: str, stated: Mapping[str, str]) -> bool:

@@ -13,6 +13,7 @@ from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial, diagnose, examine
 from shipid.trials.doctor.guesses import GuessedRecord, from_trial
 from shipid.trials.doctor.repair import NoSafeRepairError, fix_trial
+from shipid.trials.logs.reading import read_trial
 
 
 def rows(n=200, header="t [s],psi [deg],r [deg/s],delta [deg]"):
@@ -164,3 +165,25 @@ def test_a_column_of_words_is_not_thrown_away(tmp_path):
     path = write(tmp_path, [lines[0] + ",u [m/s]", *(f"{line},{words[k % 4]}" for k, line in enumerate(lines[1:]))])
     diagnosis = check_trial(path)
     assert not any(f.repaired and f.channel == "u" for f in diagnosis.findings) and diagnosis.serious
+
+
+def test_a_column_for_which_the_log_is_refused_is_told_and_left_out_by_the_repair(tmp_path, simulated):
+    frame = simulated().to_frame().reset_index()
+    path = tmp_path / "log.csv"
+    frame.assign(mood=range(len(frame)), **{"place [ddmm.mmmm]": 5230.1}).to_csv(path, index=False)
+    with pytest.raises(e.NoUnitError, match="'mood'"):
+        read_trial(path)
+    found = {f.channel: f for f in check_trial(path).findings if f.kind == "unit"}
+    assert found["mood"].serious and "says no unit" in found["mood"].message
+    assert "the unit 'ddmm.mmmm', which is none" in found["place"].message
+    fixed, _ = fix_trial(path, tmp_path / "fixed.csv")
+    assert not read_trial(fixed).has("mood")
+
+
+def test_a_unit_that_does_not_fit_is_no_reason_to_assume_another(tmp_path):
+    lines = rows()
+    path = write(tmp_path, [lines[0].replace("delta [deg]", "delta [%]"), *lines[1:]])
+    found = next(f for f in check_trial(path).findings if f.kind == "unit")
+    assert found.channel == "delta" and "the unit '%', which does not fit" in found.message and not found.repaired
+    with pytest.raises(NoSafeRepairError, match="'%'"):
+        fix_trial(path, tmp_path / "fixed.csv")

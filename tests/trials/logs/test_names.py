@@ -29,6 +29,6 @@ def test_check_and_draft_read_one_unit_out_of_a_name(tmp_path):
     rows = "".join(f"{k};{k / 10};{k / 7};{k % 3};15.0\n" for k in range(60))
     log.write_text("t [s];Kurs (Kreisel);Drehrate °/min;Ruderlage;FdW kn\n" + rows, encoding="utf-8")
     told = [f for f in check_trial(log).findings if f.kind == "unit"]
-    assert [f.channels for f in told] == [("delta",)]
+    assert [f.channels for f in told] == [("Kurs",), ("delta",)] and told[0].fix is None
     draft = draft_format(log)
     assert 'unit = "°/min"' in draft.text and 'unit = "kn"' in draft.text and 'Kreisel"' not in draft.text

@@ -136,7 +136,9 @@ def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where:
     named = [k for k in likely if k != of_units]
     if not named:
         return HeaderBlock(first, width, None, (), (), tuple(range(first)), sound)
-    row = max(named, key=lambda k: (_score(texts[k], wanted), k))
+    # Of rows that look alike names stand above their units; what stands below, as of devices, is told twice or more.
+    above = len(rows) if of_units is None else of_units
+    row = max(named, key=lambda k: (_score(texts[k], wanted), k < above, _all_differ(texts[k]), k))
     stated: tuple[str | None, ...] = (None,) * width
     if of_units is not None:
         stated = tuple(_unit(cell) for cell in _padded(texts[of_units], width))
@@ -181,6 +183,11 @@ def _score(row: Sequence[str], wanted: Collection[str]) -> int:
         name, unit = columns.split_header(cell)
         score += 4 * (cell in wanted or name in wanted) + 2 * (name in FIELDS) + (unit is not None)
     return score
+
+
+def _all_differ(row: Sequence[str]) -> bool:
+    there = [cell for cell in row if cell]
+    return len(set(there)) == len(there)
 
 
 def _unit(cell: str) -> str | None:

@@ -23,10 +23,14 @@ _DEGREES = ("", "deg", "degs", "degree", "degrees", "°", "º", "grad", "graden"
 #: A rate of turn has letters as well.
 _PER_TIME = re.compile(r"\s*/\s*(s|sec|min)$")
 _NUMBER = r"[0-9]+(?:[.,][0-9]*)?"
+#: Degrees and minutes stand apart by a mark, a blank or a hyphen; what ends the minutes and the seconds is often left out.
 _CELL = (
-    rf"(?i)^(?P<before>{_WORDS})?\s*(?P<sign>[-+])?(?P<whole>{_NUMBER})\s*(?P<mark>[°º])?"
-    rf"\s*(?:(?P<minutes>{_NUMBER})\s*['′’]\s*(?:(?P<seconds>{_NUMBER})\s*(?:[\"″”]|'')\s*)?)?(?P<behind>{_WORDS})?$"
+    rf"(?i)^(?P<before>{_WORDS})?\s*(?P<sign>[-+])?(?P<whole>{_NUMBER})(?:(?:\s*(?P<mark>[°º])\s*|[ -](?=\d))"
+    rf"(?:(?P<minutes>{_NUMBER})(?:\s*['′’]\s*|[ -](?=\d)|(?=\s*[A-Z]|$))"
+    rf"(?:(?P<seconds>{_NUMBER})\s*(?:[\"″”]|''|(?=[A-Z]|$)))?)?)?\s*(?P<behind>{_WORDS})?$"
 )
+#: Minutes without a mark of degrees are minutes beside one of these: 52 30.123 N.
+_OF_PLACES = {"N", "S", "E", "W"}
 
 
 def may_be_lettered(*units: str | None) -> bool:
@@ -70,16 +74,17 @@ def read_lettered(column: pd.Series) -> tuple[np.ndarray, str] | None:
     if (
         parts["whole"].isna().any()
         or (parts["before"].notna() & parts["behind"].notna()).any()
-        or (parts["minutes"].notna() & ~marked).any()
+        or (parts["minutes"].notna() & ~marked & ~side.isin(_OF_PLACES)).any()
         or (side.notna() & parts["sign"].notna()).any()
         or not (side.notna() | marked).any()
     ):
         return None
     whole, minutes, seconds = (_numbers(parts[name]) for name in ("whole", "minutes", "seconds"))
     factor = _factors(side, parts["minutes"].notna().all())
-    # Without a letter a cell is a zero, or no cell has one.
-    if factor is None or (minutes >= 60).any() or (seconds >= 60).any():
+    # 59.9996 seconds are written as 60.00.
+    if factor is None or (minutes > 60).any() or (seconds > 60).any():
         return None
+    # Without a letter a cell is a zero, or no cell has one.
     if side.notna().any() and (whole[side.isna().to_numpy()] != 0).any():
         return None
     sign = np.where(parts["sign"].eq("-").to_numpy(dtype=bool), -1.0, 1.0)
@@ -102,6 +107,8 @@ def _factors(side: pd.Series, geographic: bool) -> np.ndarray | None:
 def _said(side: pd.Series, parts: pd.DataFrame) -> Iterator[str]:
     if parts["minutes"].notna().any():
         yield "read as degrees and minutes"
+    elif parts["mark"].notna().any():
+        yield "read without the mark of degrees"
     seen = sorted(set(side.dropna()))
     if seen:
         factors = _factors(side, bool(parts["minutes"].notna().all()))

@@ -195,6 +195,10 @@ def _is_unnamed_hole(header: str, column: pd.Series) -> bool:
     return name not in FIELDS and unit is None and bool(column.isna().all())
 
 
+#: Degrees and minutes of a place: 10 30.1965 N is no date.
+_PLACE = r"[^:]*\d\s*[NSEW]"
+
+
 class _Cells:
     """The cells of some columns: as numbers where they are, as text where they may be a clock; and what is neither.
 
@@ -350,6 +354,8 @@ def _is_clock(column: pd.Series) -> bool:
     """Whether most of the first cells of a column of text are dates or times of day."""
     cells = column.dropna().head(2000).str.strip()
     cells = cells[~cells.str.lower().isin(list(MISSING))].head(50)
+    if cells.str.fullmatch(_PLACE).mean() > 0.5:
+        return False
     return bool(len(cells)) and float(read_stamps(cells.tolist()).bad.mean()) < 0.5
 
 

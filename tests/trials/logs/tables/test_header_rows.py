@@ -19,6 +19,8 @@ NAMES, UNITS = ["t", "psi", "delta"], ["s", "deg", "deg"]
         ([NAMES, ["hh:mm:ss", "deg", ""]], 0, (None, "deg", None), ()),
         ([["Clock", "Gyro", "Rudder"], NAMES, UNITS], 1, ("s", "deg", "deg"), (0,)),
         ([NAMES, ["time", "heading", "angle"], UNITS], 0, ("s", "deg", "deg"), (1,)),
+        ([["time", "heading", "angle"], UNITS, ["Logger", "Gyro 1", "Feedback"]], 0, ("s", "deg", "deg"), (2,)),
+        ([["time", "heading", "angle"], ["Logger", "Gyro", "Gyro"]], 0, (None, None, None), (1,)),
         ([["Sea trial"], ["Ship", "A"], ["Date", "2026-05-01", ""], NAMES], 3, (None, None, None), (0, 1, 2)),
         ([["Draught", "5.7", "6.1"], ["t [s]", "psi [deg]", "delta [deg]"]], 1, (None, None, None), (0,)),
     ],

@@ -22,6 +22,8 @@ from shipid.trials.logs.tables.lettered import read_lettered
         (("3.0B", "0.0T", "3.0T"), (-3.0, 0.0, 3.0)),
         (("12 STBD", "3 port"), (12.0, -3.0)),
         (("-12.5°", "3.0°"), (-12.5, 3.0)),
+        (("52 30.15 N", "N52-30.30", "52°30.45N"), (52.5025, 52.505, 52.5075)),
+        (("4 30 36 W", "4-30-36.0W", "4°29'60.00\"W"), (-4.51, -4.51, -4.5)),
     ],
 )
 def test_sides_and_minutes_are_read(cells, values):
@@ -39,6 +41,9 @@ def test_sides_and_minutes_are_read(cells, values):
         ("-12.0P", "3.0S"),  # two signs
         ("48°61.0'N", "48°30.0'N"),  # no minutes
         ("12.0N", "3.0W"),  # two axes
+        ("12 5", "12 6"),  # minutes of what
+        ("12 5 P", "12 6 S"),
+        ("12.3.4 N", "12.3.5 N"),
         ("1.5", "2.5"),
         ("standby", "12.0P"),
         (None, ""),
@@ -74,3 +79,10 @@ def test_a_rate_of_turn_with_letters(log):
     rows = "".join(f"{k},{abs(k - 10) / 2:.1f} {'P' if k < 10 else 'S'}\n" for k in range(20))
     trial = read_trial(log("t [s],r [deg/min]\n" + rows))
     np.testing.assert_allclose(np.degrees(trial["r"]) * 60, (np.arange(20) - 10) / 2)
+
+
+def test_places_that_look_like_dates_are_places(log):
+    """10 30.2012 N is no 30th of October."""
+    rows = "".join(f"{k},10 30.{2012 + k} N,04 12.{1999 + k} E,{k}\n" for k in range(20))
+    trial = read_trial(log("t [s],Latitude,Longitude,psi [deg]\n" + rows))
+    np.testing.assert_allclose(np.diff(trial["x"]), 0.184, rtol=0.01)

@@ -98,6 +98,16 @@ def test_a_helm_that_wanders_before_the_first_execute(logged):
     np.testing.assert_allclose(found.executes, orders[1 : 1 + len(found.executes)], atol=0.02)
 
 
+def test_a_helm_that_is_ordered_about_before_the_first_order(logged):
+    trial, orders, _ = logged(0.5, start=40.0, order=True)
+    frame = trial.to_frame()
+    t = trial["t"]
+    # It leaves more rudder than what counts as off midships, at any time.
+    helm = np.where(t < 39.9, 5 * np.sin(t / 5), frame["delta_order [deg]"])
+    found = measure(Trial.from_frame(frame.assign(**{"delta_order [deg]": helm})))
+    assert found.first_execute == pytest.approx(orders[0], abs=0.3)
+
+
 def test_stated_uncertainty_holds_the_scatter_of_the_rudder(sailed):
     """Eight records of a rudder of 1 deg/s that scatters by 0.5 deg: the plate it leaves is as uncertain as its ramp."""
     t, psi, delta, _, orders, overshoots = sailed(rudder_rate=1.0, duration=300.0)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from shipid.declaration.vocabulary import FIELDS
 from shipid.trials.doctor.working_copy import WorkingCopy
-from shipid.trials.logs.drafting.names import WANTED, open_columns
+from shipid.trials.logs.drafting.names import WANTED, meaning_of, open_columns
 
 #: Fields of which one has to be there: without them the record says nothing of how the ship moves.
 _MOTION = ("psi", "r", "x", "y", "u", "v", "U", "SOG", "COG")
@@ -41,4 +42,26 @@ def examine_names(p: WorkingCopy, guesses: Mapping[str, str]) -> None:
         p.add(
             "no-motion", "t", 0.95, f"none of {', '.join(_MOTION)} is in the log",
             "Nothing says how the ship moved.", _REPAIR,
+        )  # fmt: skip
+
+
+def examine_unread(p: WorkingCopy, unread: Mapping[str, str | None]) -> None:
+    """Find columns of no field of the vocabulary for which the other commands refuse the log.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record as logged.
+    unread : Mapping of str to str or None
+        The unit that each of them says; None where it says none.
+    """
+    for name, unit in unread.items():
+        # What can be the heading or the speed is not left out unasked.
+        needed = any(field in FIELDS for field in meaning_of(name).fields)
+        told = f"says the unit '{unit}', which is none" if unit else "says no unit"
+        p.add(
+            "unit", name, 0.95, f"the column is none that shipid knows by name, and {told}; it was not examined",
+            "read_trial does not guess a unit and refuses the record.",
+            f"Leave the column out; where it is needed, write '{name} [1]' for a pure number, or its unit.",
+            fix=None if needed else {"action": "drop-column", "column": name},
         )  # fmt: skip
