@@ -192,7 +192,8 @@ class Plan(DrawnResult):
         for f in self.parameters.values():
             gain = "" if f.ratio is None else f"   gain {number(f.ratio, 3)}"
             unit = "" if pretty(f.unit) == "1" else f" {pretty(f.unit)}"
-            lines.append(f"  {f.name:<10s} {_estimate(f.value, f.std)} beside ± {_spread(f.standard_std)}{unit}{gain}")
+            planned, standard = _estimate(f.value, f.std, unit), _spread(f.standard_std, unit)
+            lines.append(f"  {f.name:<10s} {planned} beside {standard}{gain}")
         if self.det_gain is not None and self.det_ratio is not None:
             each, all_of_them = number(self.det_gain, 3), number(self.det_ratio, 3)
             lines.append(f"  determinant {each} times better for each coefficient ({all_of_them} in all)")
@@ -200,10 +201,11 @@ class Plan(DrawnResult):
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings), *orders])
 
 
-def _estimate(value: float, std: float | None) -> str:
-    """A value with its standard deviation, in the digits that this allows."""
-    return f"{uncertain_text(value, None)} ± any" if std is None or not isfinite(std) else uncertain_text(value, std)
+def _estimate(value: float, std: float | None, unit: str) -> str:
+    """A value with its standard deviation, in the digits that this allows; in the words of the page where no trial tells it."""
+    known = std is not None and isfinite(std)
+    return f"{uncertain_text(value, std if known else None)}{unit}" + ("" if known else " stays open")
 
 
-def _spread(std: float | None) -> str:
-    return "any" if std is None else number(std, 2)
+def _spread(std: float | None, unit: str) -> str:
+    return "stays open" if std is None else f"± {number(std, 2)}{unit}"

@@ -159,6 +159,11 @@ class Judgement(DrawnResult):
             if robust.samples:
                 where = f"over the uncertainty of the ship, at {robust.speed_worst:.3g} m/s{load}"
                 found.append(_point("disk margin", where, robust.disk_worst, self.limits["disk margin"]))
+            filtered = robust.variants["sea filter on"]["disk"]
+            if filtered is not None:
+                found.append(
+                    _point("disk margin", f"while the sea filter is on{load}", filtered, self.limits["disk margin"])
+                )
             gains = [(min(x for x in (m.gain_high, 1 / m.gain_low if m.gain_low else None) if x), m.speed)
                      for m in everywhere if m.gain_high or m.gain_low]  # fmt: skip
             if gains:

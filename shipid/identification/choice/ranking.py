@@ -155,8 +155,8 @@ class Ranking(DrawnResult):
         if best is not None and best.turn is not None and best.turn.runs_away > MAY_RUN_AWAY:
             found.append(
                 Notice(
-                    f"{best.model} can run away in a hard turn ({percent(best.turn.runs_away)} of what its coefficients may be): sail a turning "
-                    "circle before it is used for one.",
+                    f"{best.model} runs away in a hard turn with {percent(best.turn.runs_away)} of the coefficients that were drawn "
+                    "within their uncertainty: sail a turning circle before it is used for one.",
                     "runs-away",
                 )
             )

@@ -94,9 +94,9 @@ def _orders_figure(table: Timetable, end: float) -> Markup | None:
     if not any(rudder for _, rudder in given_at):
         return None
     times, rudders = np.array([*given_at, (end, 0.0)]).T
-    steps = Line("", np.repeat(times, 2)[1:], np.repeat(rudders, 2)[:-1])
+    steps = Line("", np.repeat(times / 60, 2)[1:], np.repeat(rudders, 2)[:-1])
     axes = [Axes(f"{how.label} ordered, to starboard", how.unit, [steps])]
-    return chart(axes, "time of the plan [s]", "orders", "Rudder orders against time")
+    return chart(axes, "time of the plan [min]", "orders", "Rudder orders against time")
 
 
 def _room(which: str, room: SeaRoom) -> Row:

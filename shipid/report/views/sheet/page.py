@@ -25,7 +25,7 @@ _LIMITS = [
 ]  # fmt: skip
 #: What the figure of a manoeuvre shows, by the class of its measures.
 _CAPTIONS = {
-    "ZigZag": "Heading and rudder against time; each overshoot is marked.",
+    "ZigZag": "Heading and rudder; each overshoot is marked. The tables count time from the beginning of the record.",
     "TurningCircle": "The track of the circle with the ship's outline, and its dimensions.",
     "MeasuredSpiral": "Steady rate of turn against rudder angle.",
     "PullOut": "Rate of turn after the rudder is put amidships.",

@@ -205,7 +205,7 @@ def _why_it_moves(judged: Judgement, kept: Sequence[CourseChange], raw: Sequence
         return fixed(max((getattr(s, name) or 0.0 for s in runs), default=0.0), decimals)
 
     return (
-        f"Why the rudder moves: the rate of turn is fed back by {number(gain, 3)} s, so that waves that turn a ship at rest at "
+        f"Why the rudder moves: the rate of turn is fed back with a gain Kd of {number(gain, 3)} s, so that waves that turn a ship at rest at "
         f"{number(turning, 2)} deg/s rms ask for {number(gain * turning, 2)} deg of rudder rms. A rudder that answers each wave "
         f"reverses twice a wave, and the ship meets {fixed(min(met), 1)} to {fixed(max(met), 1)} waves a minute. At worst the rudder "
         f"travels {worst(raw, 'travel_deg_s', 2)} deg/s and reverses {worst(raw, 'reversals', 1)} times a minute without the sea "
