@@ -16,6 +16,8 @@ from shipid.prediction.tracks.track_predictor import TrackPredictor
 
 #: Nodes of a track between which motion is taken as straight.
 _POINTS = 400
+#: Digits of a share of a domain that tell two courses apart.
+_SAME = 9
 
 
 def avoid(
@@ -91,7 +93,8 @@ def avoid(
             f"own ship cannot be predicted on any of the {len(tracks)} headings: {tracks[0].ended}. Ask for a shorter time ahead."
         )
     clear = [a for a, (share, *_) in kept.items() if share >= 1]
-    best = clear[0] if clear else max(kept, key=lambda a: kept[a][0])
+    # Rounded: shares that differ by nothing do not decide on a side.
+    best = clear[0] if clear else max(kept, key=lambda a: round(kept[a][0], _SAME))
     _, track, passings = kept[best]
     if situation.uncertain:
         track = predictor.predict(situation, heading=float(wanted + best), horizon=lengths, points=_POINTS)

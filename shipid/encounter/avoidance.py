@@ -13,7 +13,7 @@ from shipid.encounter.errors import TargetError
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.result import Result, ResultEntry, table
-from shipid.foundation.statistics import plain
+from shipid.foundation.statistics import NORMAL_95, plain
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 
 if TYPE_CHECKING:
@@ -130,6 +130,16 @@ class Avoidance(Result):
             near = min(self.passings, key=lambda p: p.share)
             words = f"no course that was tried keeps clear: this one passes {near.name} at {near.distance:.0f} m"
             found.append(Notice(f"{words}, inside her domain.", "no-clear-course", serious=True, name=near.name))
+        unsure = [p for p in self.passings if p.std and p.distance - NORMAL_95 * p.std < p.distance / p.share]
+        if self.clear and unsure:
+            names = " and ".join(p.name for p in unsure)
+            found.append(
+                Notice(
+                    f"within the 95 % interval of her distance {names} may pass inside her domain: clear is not sure.",
+                    "clear-not-sure",
+                    names=[p.name for p in unsure],
+                )
+            )
         if self.clear and self.at_once >= 1 and self.refused:
             words = f"{len(self.refused)} of {len(self.tried) + len(self.refused)} headings were left out"
             found.append(Notice(f"{words}: {next(iter(self.refused.values()))}.", "headings-refused"))

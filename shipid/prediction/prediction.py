@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 _STAGES, _LENGTHS = (10, 30, 60, 90, 120, 150, 180, 270, 360), (2, 5, 10, 15, 20)
 #: A ship is on her new heading when she is so near to it, in degrees.
 _ON_HEADING = 1.0
+#: Sine of the angle between heading and course over the ground that is told: it turns what ahead means.
+_BESIDE = np.sin(np.deg2rad(2.0))
 
 
 @dataclass(frozen=True, repr=False)
@@ -117,10 +119,30 @@ class Prediction(DrawnResult):
         speed = float(np.hypot(north, east))
         if not speed:
             return None
-        said = f"current {shown_estimate(speed, std, 'u')}"
+        said = f"current {shown(speed, 'u', digits=3) if std is None else shown_estimate(speed, std, 'u')}"
         if std is not None and speed < 2 * std:
             return f"{said}, direction not known"
         return f"{said} to {compass(np.arctan2(east, north), 0)} deg"
+
+    @property
+    def surrounding_words(self) -> list[str]:
+        """Current and wind, and which way ahead is where a current or a drift sets the ship beside her heading."""
+        known = self.situation.values
+        said = [] if self.current_words is None else [self.current_words]
+        speed = known.get("wind_speed")
+        if speed:
+            said.append(
+                f"wind {shown(speed, 'u', digits=3)} from {compass(known.get('wind_direction', 0.0) + np.pi, 0)} deg"
+            )
+        if abs(np.sin(self.course - known["psi"])) > _BESIDE:
+            said.append(f"ahead and aside are told along the course over the ground, {compass(self.course)} deg")
+        return said
+
+    @property
+    def course(self) -> float:
+        """The course over the ground at the beginning in rad."""
+        north, east = self.situation.ground_velocity
+        return float(np.arctan2(east, north))
 
     @property
     def stages(self) -> list[Stage]:
@@ -149,9 +171,7 @@ class Prediction(DrawnResult):
             ]
         found.append(("end of the track", track.s.size - 1))
         found.sort(key=lambda stage: stage[1])
-        north, east = self.situation.ground_velocity
-        course = float(np.arctan2(east, north))
-        width = track.half_width
+        course, width = self.course, track.half_width
         stages = []
         for what, k in found:
             away = track.x[k] - track.x[0], track.y[k] - track.y[0]
@@ -214,8 +234,7 @@ class Prediction(DrawnResult):
             f"  from {self.origin}: heading {compass(known['psi'])} deg, {shown(known['u'], 'u')}, "
             f"rate of turn {shown(known.get('r', 0.0), 'r', digits=3)}",
         ]
-        if self.current_words is not None:
-            lines.append(f"  {self.current_words}")
+        lines += [f"  {line}" for line in self.surrounding_words]
         if self.wheel_over is not None:
             lines.append(f"  {_wheel_over_words(self.wheel_over)}")
         if self.turn is not None:

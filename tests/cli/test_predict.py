@@ -31,6 +31,23 @@ def test_a_track_from_a_state(call):
     assert "the band is not known" in answer.out
 
 
+def test_what_sets_the_ship_and_which_way_ahead_is(call, tmp_path):
+    """In a strong current 'to starboard' is not counted from the heading; the wind that was given is told as the current is."""
+    order = ("predict", "de-keizer", "--ship", "soesterberg", "--from", "psi=350 deg,u=9 m/s", "--heading", "10 deg")
+    said = call(*order, "--current", "12 kn to 90 deg", "--wind", "12 m/s from 90 deg", "--out", str(tmp_path / "p"))
+    for line in (
+        "current 6.17 m/s to 090 deg",
+        "wind 12 m/s from 090 deg",
+        "along the course over the ground, 027.5 deg",
+    ):
+        assert line in said.out
+    assert (
+        "ahead and aside are told along the course over the ground, 027.5 deg"
+        in (tmp_path / "p" / "report.html").read_text().lower()
+    )
+    assert "ahead and aside" not in call(*order).out
+
+
 def test_a_track_from_a_trial_uses_nothing_later(call, voyage, tmp_path):
     order = ("--heading", "60 deg", "--json")
     whole = call("predict", "de-keizer", "--ship", "soesterberg", "--from", f"{voyage}@300", *order)

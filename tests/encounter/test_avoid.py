@@ -84,6 +84,24 @@ def test_where_nothing_keeps_clear_it_says_so(predictor, own):
     assert found.share == pytest.approx(max(found.tried.values()))
 
 
+def test_shares_that_differ_by_nothing_do_not_decide_on_a_side(predictor, own):
+    """Head on and too near for any course: rounding sent her to port."""
+    found = avoid(predictor, own, [coming(700.0)], circle(600.0))
+    assert not found.clear and found.share < 0.1 and found.alteration >= 0
+
+
+def test_a_ship_that_may_pass_inside_her_domain_is_not_surely_clear(predictor, own):
+    def said(speed_std: float) -> list[str]:
+        spread = np.diag([25.0**2, 25.0**2, speed_std**2, speed_std**2])
+        found = avoid(predictor, own, [coming(8000.0, covariance=spread)], circle(600.0))
+        assert found.clear
+        return [w for w in found.warnings if w.kind == "clear-not-sure"]
+
+    assert not said(0.1)
+    (warning,) = said(1.0)
+    assert "95 % interval of her distance Alpha may pass inside" in warning
+
+
 def test_starboard_only(predictor, own):
     """A ship a little to starboard is passed by a smaller alteration to port."""
     others = [coming(8000.0, 300.0)]

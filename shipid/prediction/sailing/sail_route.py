@@ -31,7 +31,7 @@ from shipid.prediction.routes.sailings import turned
 from shipid.prediction.sailing.sail import steering
 from shipid.prediction.sailing.simulated_ship import SimulatedShip
 from shipid.prediction.sailing.surroundings import stated_inputs, stated_values, with_waves
-from shipid.prediction.sailing.voyage import LimitLeft, Voyage, WheelOverDone
+from shipid.prediction.sailing.voyage import Voyage, WheelOverDone, limits_left, not_followed
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 from shipid.trials.manoeuvres.flows import (
@@ -347,6 +347,7 @@ def _voyage(
     arrived = run.helm.phase == "arrived"
     if not arrived:
         told.append(Notice(f"the end of the route was not reached after {t[-1]:.0f} s.", "not-arrived", serious=True))
+    told += not_followed(off / ship.pilot.length, route, to)
     told += beyond_in_run(ship.pilot.model, ship.pilot.ship, ship.speed, columns)
     origin = "" if route.origin is None else f"\n{origin_words(route.origin)}"
     comment = (
@@ -363,27 +364,7 @@ def _voyage(
         off,
         turning,
         tuple(replace(w, name=route.called(w.waypoint)) for w in run.wheel_overs),
-        _limits_left(plan, route, t, off, on),
+        limits_left(plan, route, t, off, on),
         arrived,
         tuple(told),
     )
-
-
-def _limits_left(
-    plan: PlannedTrack, route: Route, t: np.ndarray, off: np.ndarray, on: np.ndarray
-) -> tuple[LimitLeft, ...]:
-    """The stretches beyond a limit, each on one side and on the way to one waypoint."""
-    beyond_by = plan.beyond_limits(off, on)
-    to = np.array(plan.waypoints)[on]
-    key = np.where(beyond_by > 0, np.where(off > 0, 1, -1) * (to + 1), 0)
-    begins = np.flatnonzero(np.diff(key, prepend=0))
-    found = []
-    for a, b in zip(begins, [*begins[1:], len(key)]):
-        if key[a]:
-            found.append(
-                LimitLeft(
-                    int(to[a]), route.called(int(to[a])), "starboard" if key[a] > 0 else "port", float(t[a]), float(t[b - 1]),
-                    float(beyond_by[a:b].max()),
-                )
-            )  # fmt: skip
-    return tuple(found)

@@ -10,7 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
-from shipid.foundation.notices import plain_notices
+from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.routes.route import Route
@@ -18,6 +18,9 @@ from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: A ship that is more ship lengths than this off the track does not follow the route.
+_NOT_FOLLOWED = 2.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -168,9 +171,9 @@ class Voyage(DrawnResult):
         said = [f"{words[n]} {rms:.1f} m rms, {most:.0f} m at most" for n, (rms, most) in self.statistics.items()]
         lines.append(f"  off the track: {'; '.join(said)}")
         for w in self.wheel_overs:
-            side = "starboard" if w.change > 0 else "port"
+            side, where = "starboard" if w.change > 0 else "port", "before" if w.before >= 0 else "behind"
             lines.append(
-                f"  wheel over at {w.t:.0f} s, {w.before:.0f} m before {w.name}: {shown(abs(w.change), 'psi', digits=3)} to {side} with "
+                f"  wheel over at {w.t:.0f} s, {abs(w.before):.0f} m {where} {w.name}: {shown(abs(w.change), 'psi', digits=3)} to {side} with "
                 f"{shown(w.rudder_limit, 'delta', digits=2)} of rudder"
             )
         lines += [
@@ -185,3 +188,62 @@ class Voyage(DrawnResult):
     def to_frame(self) -> pd.DataFrame:
         """Return the trial of the voyage as a pandas table, units in the headers (`Trial.to_frame`)."""
         return self.trial.to_frame()
+
+
+def not_followed(lengths: np.ndarray, route: Route, to: np.ndarray) -> list[Notice]:
+    """Return what has to be said of a ship that does not follow the route.
+
+    Parameters
+    ----------
+    lengths : ndarray, shape (N,)
+        Distance off the track in ship lengths.
+    route : Route
+        What was to be sailed.
+    to : ndarray of int, shape (N,)
+        The waypoint that is sailed to, from 0.
+    """
+    worst = int(np.abs(lengths).argmax())
+    most = float(abs(lengths[worst]))
+    if most <= _NOT_FOLLOWED:
+        return []
+    return [
+        Notice(
+            f"the ship is up to {most:.2g} ship lengths off the track, on the way to {route.called(int(to[worst]))}: the turns of the route "
+            "are tighter, or closer together, than she sails them here.",
+            "route-not-followed",
+            serious=True,
+            ship_lengths=most,
+        )
+    ]
+
+
+def limits_left(
+    plan: PlannedTrack, route: Route, t: np.ndarray, off: np.ndarray, on: np.ndarray
+) -> tuple[LimitLeft, ...]:
+    """Return the stretches beyond a limit, each on one side and on the way to one waypoint.
+
+    Parameters
+    ----------
+    plan : PlannedTrack
+        What was to be sailed.
+    route : Route
+        Its route.
+    t, off : ndarray, shape (N,)
+        Times in s, and distances off the track in m, positive to starboard.
+    on : ndarray of int, shape (N,)
+        Numbers of the legs.
+    """
+    beyond_by = plan.beyond_limits(off, on)
+    to = np.array(plan.waypoints)[on]
+    key = np.where(beyond_by > 0, np.where(off > 0, 1, -1) * (to + 1), 0)
+    begins = np.flatnonzero(np.diff(key, prepend=0))
+    found = []
+    for a, b in zip(begins, [*begins[1:], len(key)]):
+        if key[a]:
+            found.append(
+                LimitLeft(
+                    int(to[a]), route.called(int(to[a])), "starboard" if key[a] > 0 else "port", float(t[a]), float(t[b - 1]),
+                    float(beyond_by[a:b].max()),
+                )
+            )  # fmt: skip
+    return tuple(found)

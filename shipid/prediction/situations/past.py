@@ -97,7 +97,11 @@ def told_of(errors: PastErrors) -> list[Notice]:
     list of Notice
         None where the bands were wide enough.
     """
-    widest = max(errors.track.max(initial=1.0), errors.heading.max(initial=1.0))
+    bands = {
+        "band": float(errors.track.max(initial=1.0)),
+        "band of the heading": float(errors.heading.max(initial=1.0)),
+    }
+    widest = max(bands.values())
     lost = []
     if errors.lost:
         lost = [
@@ -111,12 +115,12 @@ def told_of(errors: PastErrors) -> list[Notice]:
         ]
     if widest <= 1 + _TOLD:
         return lost
+    wider = " and ".join(f"the {n} is up to {factor:.2g} times" for n, factor in bands.items() if factor > 1 + _TOLD)
     return [
         *lost,
         Notice(
-            f"The last {errors.count} predictions of her were farther off than their bands allow: the band is up to "
-            f"{widest:.2g} times as wide as the model states.",
+            f"The last {errors.count} predictions of her were farther off than their bands allow: {wider} as wide as the model states.",
             "band-widened",
-            factor=float(widest),
+            factor=widest,
         ),
     ]

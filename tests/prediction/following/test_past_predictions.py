@@ -78,6 +78,15 @@ def test_a_wrong_model_is_seen_in_its_past_and_told(pilot, trial):
     assert drawn.half_width[-1] == pytest.approx(wide.half_width[-1], rel=0.25)
 
 
+def test_which_band_is_widened_is_told():
+    """The band of the track is printed, that of the heading is not: one that is as wide as before was told to be 25 times as wide."""
+    right, wrong = np.ones((30, LOOKED_AT.size)), np.full((30, LOOKED_AT.size), 8.0)
+    (of_heading,) = told_of(errors_of(right, wrong))
+    assert "allow: the band of the heading is up to 7" in of_heading and "the band is" not in of_heading
+    (of_both,) = told_of(errors_of(wrong, wrong))
+    assert "the band is up to 7.5 times and the band of the heading is up to 7.5 times as wide" in of_both
+
+
 def test_only_the_rudder_that_was_laid_is_replayed(pilot, trial):
     """With another rudder than the one that was laid, the past predictions miss."""
     _, _, past = known_before(pilot.model, pilot.ship, trial, 600.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.prediction.routes.route import Route, Waypoint
+from shipid.prediction.routes.route import Route, Waypoint, route_through
 from shipid.prediction.sailing.sail_route import sail_route
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -82,6 +82,24 @@ def test_a_voyage_that_ends_early_is_serious(pilot):
     voyage = sail_route(pilot, tour(), duration="300 s")
     assert not voyage.arrived and voyage.trial["t"][-1] == pytest.approx(300)
     assert [w.kind for w in voyage.warnings if w.serious] == ["not-arrived"] and "end not reached" in voyage.text()
+
+
+def test_a_route_that_she_cannot_follow_is_told(pilot, calm):
+    """Two turns of 90 degrees within two ship lengths."""
+    assert "route-not-followed" not in [w.kind for w in calm.warnings]
+    points = [(0.0, 0.0), (1500.0, 0.0), (1500.0, 400.0), (0.0, 400.0), (0.0, 2000.0)]
+    voyage = sail_route(pilot, route_through(points, radius=60.0))
+    (told,) = [w for w in voyage.warnings if w.kind == "route-not-followed"]
+    worst = float(np.abs(voyage.off_track).max())
+    assert (
+        told.serious and worst > 2 * pilot.length and told.known["ship_lengths"] == pytest.approx(worst / pilot.length)
+    )
+    assert (
+        f"up to {worst / pilot.length:.2g} ship lengths off the track, on the way to waypoint" in told
+        and "closer together, than she sails them here" in told
+    )
+    behind = next(w for w in voyage.wheel_overs if w.before < 0)
+    assert f"{-behind.before:.0f} m behind waypoint {behind.waypoint + 1}" in voyage.text()
 
 
 def test_another_ship_sails_than_the_pilot_knows(pilot, calm):

@@ -40,8 +40,7 @@ def prediction_page(found: Prediction) -> Page:
         f"The track is {number(track.s_star[-1], 3)} ship lengths and {fixed(last.t, 0)} s long; at its end the ship is "
         f"{_away(last.ahead, 'ahead', 'astern')} and {_away(last.aside, 'to starboard', 'to port')} of where she was.",
     ]
-    if found.current_words is not None:
-        answer.append(f"{sentence(found.current_words)}.")
+    answer += [f"{sentence(line)}." for line in found.surrounding_words]
     if found.turn is not None:
         answer += [f"{sentence(line)}." for line in found.turn.words]
     if last.half_width is not None:
