@@ -142,6 +142,18 @@ def uncertain_text(value: float | None, std: float | None) -> str:
     return (uncertain(value, std) if known else given(value)).replace("−", "-")
 
 
+def spread(value: float, std: float) -> str:
+    """Return ``± 0.0024``, in the decimals in which it would stand behind the value: for a column beside that of the value.
+
+    Parameters
+    ----------
+    value, std : float
+        The value and a standard deviation.
+    """
+    head, _, tail = uncertain(value, std).partition(" ± ")
+    return f"± {tail if tail and not head.startswith('(') else number(std, 2)}"
+
+
 def interval(ends: tuple[float, float] | None, std: float | None) -> str:
     """Return ``1.582 to 1.606``, to the second digit of the standard deviation.
 

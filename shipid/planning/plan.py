@@ -14,7 +14,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, number, quantity, uncertain_text
+from shipid.foundation.numbers import columns_of, number, quantity, spread, uncertain_text
 from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.planning.leg import Leg
 from shipid.planning.selection import Criterion
@@ -192,7 +192,7 @@ class Plan(DrawnResult):
         for f in self.parameters.values():
             gain = "" if f.ratio is None else f"   gain {number(f.ratio, 3)}"
             unit = "" if pretty(f.unit) == "1" else f" {pretty(f.unit)}"
-            planned, standard = _estimate(f.value, f.std, unit), _spread(f.standard_std, unit)
+            planned, standard = _estimate(f.value, f.std, unit), _standard(f, unit)
             lines.append(f"  {f.name:<10s} {planned} beside {standard}{gain}")
         if self.det_gain is not None and self.det_ratio is not None:
             each, all_of_them = number(self.det_gain, 3), number(self.det_ratio, 3)
@@ -207,5 +207,5 @@ def _estimate(value: float, std: float | None, unit: str) -> str:
     return f"{uncertain_text(value, std if known else None)}{unit}" + ("" if known else " stays open")
 
 
-def _spread(std: float | None, unit: str) -> str:
-    return "stays open" if std is None else f"± {number(std, 2)}{unit}"
+def _standard(f: Forecast, unit: str) -> str:
+    return "stays open" if f.standard_std is None else spread(f.value, f.standard_std) + unit

@@ -41,7 +41,7 @@ def plot(result: Reported, which: str | None = None) -> Figure:
     kind = type(result).__name__
     if not drawings:
         raise UsageError(f"the report of this {kind} has no figure; its numbers are in to_frame().")
-    words = (which or "").lower().split()
+    words = str(which or "").lower().split()
     for key, drawing in drawings.items():
         if all(word in f"{key} {drawing.title}".lower() for word in words):
             return drawing.figure()

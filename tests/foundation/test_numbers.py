@@ -6,7 +6,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shipid.foundation.numbers import NO_NUMBER, estimate, fixed, interval, number, percent, uncertain, uncertain_text
+from shipid.foundation.numbers import (
+    NO_NUMBER,
+    estimate,
+    fixed,
+    interval,
+    number,
+    percent,
+    spread,
+    uncertain,
+    uncertain_text,
+)
 from shipid.foundation.numbers import given as as_given
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
@@ -64,6 +74,14 @@ def test_no_number_is_ever_nan_or_infinite_text(value, std):
     ):
         assert "nan" not in text
         assert "inf" not in text
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "shown"),
+    [(0.016129, 2.4e-6, "± 0.0000024"), (1.2e-7, 3e-9, "± 3.0 × 10⁻⁹"), (42.3588, 0.043, "± 0.043")],
+)
+def test_a_spread_beside_a_value_has_its_decimals(value, std, shown):
+    assert spread(value, std) == shown
 
 
 def test_given_numbers_get_no_digits():

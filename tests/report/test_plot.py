@@ -55,6 +55,8 @@ def test_a_figure_that_is_not_there_is_refused_with_those_that_are(fit):
         UsageError, match=r"no figure of this Fit is called 'moon'. There are: .*Track, north up, trial"
     ):
         fit.plot("moon")
+    with pytest.raises(UsageError, match=r"is called '7'"):
+        fit.plot(7)
 
 
 def test_a_report_without_a_figure_says_so(fit):

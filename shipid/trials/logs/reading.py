@@ -91,8 +91,9 @@ def trials_of(given: Trials) -> list[Trial]:
     """
     several = [given] if isinstance(given, (Trial, str, Path)) else given
     if not isinstance(several, (list, tuple)):
+        table = " A table of pandas becomes one by shipid.Trial.from_frame." if hasattr(given, "columns") else ""
         raise UsageError(
-            f"a trial is a shipid.Trial or the path of a log, or a list of them; this is a {type(given).__name__}."
+            f"a trial is a shipid.Trial or the path of a log, or a list of them; this is a {type(given).__name__}.{table}"
         )
     found = []
     for one in several:

@@ -30,6 +30,13 @@ def test_what_is_no_trial_is_refused(given):
         trials_of(given)
 
 
+def test_a_table_of_pandas_is_told_how_it_becomes_a_trial():
+    with pytest.raises(
+        UsageError, match=r"this is a DataFrame. A table of pandas becomes one by shipid.Trial.from_frame"
+    ):
+        trials_of(shipid.read_trial(LOG).to_frame())
+
+
 def test_a_filter_says_what_it_takes():
     ekf = shipid.ExtendedKalmanFilter("nomoto", "soesterberg", measured={"psi": "0.2 deg"})
     trial = shipid.read_trial(LOG)

@@ -35,7 +35,7 @@ def criteria_page(found: Criteria) -> Page:
 def _answer(found: Criteria) -> list[str]:
     """Which quantities are within their limits: the verdicts of the table in words."""
     said = []
-    for verdict, words in ((False, "Beyond its limit"), (True, "Within its limit")):
+    for verdict, words in ((False, "Beyond the limit"), (True, "Within the limit")):
         names = [row.meaning for row in found.rows if row.within is verdict]
         said += [f"{words}: {'; '.join(names)}."] if names else []
     open_ = [row.meaning for row in found.rows if row.within is None and row.limit is not None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from markupsafe import Markup
 
-from shipid.foundation.numbers import given, number, uncertain
+from shipid.foundation.numbers import given, number, spread, uncertain
 from shipid.planning.leg import Leg
 from shipid.planning.plan import Forecast, Plan
 from shipid.planning.timetable import SeaRoom, Timetable, clock
@@ -124,7 +124,7 @@ def _forecast(plan: Plan, f: Forecast) -> Row:
     return {
         "named": named(plan.model, f.name),
         "value": with_unit(given(float(f"{f.value:.4g}")) if f.std is None else uncertain(f.value, f.std), f.unit),
-        "standard": "stays open" if f.standard_std is None else with_unit(f"± {number(f.standard_std, 2)}", f.unit),
+        "standard": "stays open" if f.standard_std is None else with_unit(spread(f.value, f.standard_std), f.unit),
         "gain": "" if f.ratio is None else number(f.ratio, 2),
         "determined": f.std is not None,
         "meaning": f.meaning,

@@ -78,9 +78,9 @@ def _answer(sheet: TrialSheet) -> Iterator[str]:
     when = sheet.conditions.shown("date")
     yield sentence(f"{count(len(sheet.manoeuvres), 'manoeuvre')} measured{f', {when}' if when else ''}.")
     for verdict, words in (
-        ("beyond", "beyond its limit"),
+        ("beyond", "beyond the limit"),
         ("not decided", "not decided"),
-        ("within", "within its limit"),
+        ("within", "within the limit"),
     ):
         named: dict[str, list[str]] = {}
         for row in sheet.criteria:
