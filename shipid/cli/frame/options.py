@@ -5,8 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,14 +13,12 @@ from shipid.cli.frame.completing import complete_file, complete_model, complete_
 from shipid.cli.frame.delivery import Command, Decorator
 from shipid.cli.frame.messages import say
 from shipid.cli.frame.quantities import NumberWithUnit
+from shipid.cli.frame.typed import Window, assignments, levels_of, names_of, trials_in, window_of
 
 if TYPE_CHECKING:
     from shipid.declaration.model import Model
     from shipid.parameters.parameter_set import ParameterSet
     from shipid.trials.trial import Trial
-
-#: A part of a trial: first and last second; None for the record's own end.
-Window: TypeAlias = "tuple[float | None, float | None]"
 
 _MODEL = "A model's name, or path/to/file.py:Class."
 _SHIP = "A ship's name, or the path of a parameter set (TOML)"
@@ -104,102 +101,6 @@ def optional_ship_given(name: str | None, values: Mapping[str, str], *models: Mo
     return None
 
 
-def names_of(text: str) -> list[str]:
-    """Return the names of a list separated by commas.
-
-    Parameters
-    ----------
-    text : str
-        As in ``K,tau``.
-
-    Raises
-    ------
-    UsageError
-        If there is nothing between two commas.
-    """
-    from shipid.foundation.errors import UsageError
-
-    names = [n.strip() for n in text.split(",")]
-    if not all(names):
-        raise UsageError(f"'{text}' is not a list of names separated by commas, as in K,tau.")
-    return names
-
-
-def assignments(texts: Sequence[str]) -> dict[str, str]:
-    """Return values of the form NAME=VALUE UNIT by name.
-
-    Parameters
-    ----------
-    texts : sequence of str
-        As in ``["n3=0.4 s^2/deg^2"]``.
-
-    Raises
-    ------
-    UsageError
-        If one has another form, or a name stands twice.
-    """
-    from shipid.declaration.units import Typed
-    from shipid.foundation.errors import UsageError
-
-    result: dict[str, str] = {}
-    for text in texts:
-        name, sign, value = (part.strip() for part in text.partition("="))
-        if not sign or not name or not value:
-            raise UsageError(f"'{text}' does not say NAME=VALUE with a unit, as in n3='0.4 s^2/deg^2'.")
-        if name in result:
-            raise UsageError(f"'{name}' is given twice, {result[name]} and {value}; choose one.")
-        result[name] = Typed(value)
-    return result
-
-
-def levels_of(text: str) -> dict[str, str]:
-    """Return a list of assignments separated by commas, by name.
-
-    Parameters
-    ----------
-    text : str
-        As in ``psi=0.2 deg,r=0.02 deg/s``.
-    """
-    return assignments(text.split(","))
-
-
-def window_of(text: str) -> Window:
-    """Return a window A:B in seconds; an end left out is the record's own.
-
-    Parameters
-    ----------
-    text : str
-        As in ``1622:1712``.
-
-    Raises
-    ------
-    UsageError
-        If it has another form.
-    """
-    from shipid.foundation.errors import UsageError
-
-    try:
-        first, second = (float(part) if part.strip() else None for part in text.split(":"))
-        return first, second
-    except ValueError:
-        raise UsageError(f"the window '{text}' is not A:B in seconds of the trial's clock, as in 1622:1712.") from None
-
-
-def _trials_in(name: str) -> list[str]:
-    """A trial as it is named, and of a folder the logs in it; what lies there and is not read is told."""
-    if not Path(name).is_dir():
-        return [name]
-    from shipid.campaign.fleet import not_read, trial_files
-    from shipid.foundation.errors import MissingFileError
-
-    inside, left = trial_files(Path(name)), not_read(Path(name))
-    for note in left:
-        say(f"{name}: {note}")
-    if not inside:
-        raise MissingFileError(f"there are no trials in '{name}'. Give the folder that holds their files.")
-    return [str(Path(name, file)) for file in inside]
-
-
 def _read_by(reader: Callable[[str], object]) -> Callable[[click.Context, click.Parameter, str | None], object]:
     """Return click's callback for an option whose value is read by a function, None where it is not given."""
     return lambda _context, _parameter, text: None if text is None else reader(text)
@@ -213,7 +114,7 @@ trials_argument = click.argument(
     nargs=-1,
     required=True,
     metavar="TRIAL|FOLDER...",
-    callback=lambda _context, _parameter, names: tuple(trial for name in names for trial in _trials_in(name)),
+    callback=lambda _context, _parameter, names: tuple(trial for name in names for trial in trials_in(name)),
     shell_complete=complete_file,
 )
 format_option = click.option(

@@ -10,7 +10,6 @@ from shipid.cli.frame.options import (
     TrialReader,
     Variadic,
     input_option,
-    names_of,
     optional_ship_given,
     reading,
     seed_option,
@@ -20,6 +19,7 @@ from shipid.cli.frame.options import (
     trials_argument,
     validate_option,
 )
+from shipid.cli.frame.typed import names_of
 from shipid.foundation.exit_codes import ExitCode
 
 

@@ -13,7 +13,6 @@ from shipid.cli.frame.messages import say, warn
 from shipid.cli.frame.options import (
     LEVELS,
     TrialReader,
-    assignments,
     estimate_option,
     levels_option,
     model_option,
@@ -24,6 +23,7 @@ from shipid.cli.frame.options import (
     ships_given,
 )
 from shipid.cli.frame.quantities import NumberWithUnit
+from shipid.cli.frame.typed import assignments
 from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.recursive.methods import METHODS
 

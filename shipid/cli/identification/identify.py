@@ -13,13 +13,11 @@ from shipid.cli.frame.options import (
     LEVELS,
     TrialReader,
     Variadic,
-    assignments,
     estimate_option,
     input_option,
     levels_option,
     model_given,
     model_option,
-    names_of,
     optional_ship_given,
     reading,
     seed_option,
@@ -29,6 +27,7 @@ from shipid.cli.frame.options import (
     trials_argument,
     validate_option,
 )
+from shipid.cli.frame.typed import assignments, names_of
 from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.methods import LOSSES, METHODS, PURPOSES, Loss, Method, Purpose
 

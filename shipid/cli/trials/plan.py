@@ -14,7 +14,6 @@ from shipid.cli.frame.options import (
     input_option,
     model_given,
     model_option,
-    names_of,
     sampling_option,
     seed_option,
     ship_given,
@@ -23,6 +22,7 @@ from shipid.cli.frame.options import (
     values_option,
 )
 from shipid.cli.frame.quantities import NumberWithUnit
+from shipid.cli.frame.typed import names_of
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:

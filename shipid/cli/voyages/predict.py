@@ -251,7 +251,7 @@ def _known(origin: tuple[float, float] | None) -> tuple[float, float]:
 
 
 def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
-    from shipid.cli.frame.options import levels_of
+    from shipid.cli.frame.typed import levels_of
     from shipid.declaration.units import to_si
     from shipid.foundation.errors import UnknownNameError
 
