@@ -10,6 +10,7 @@ from shipid.autopilot.judgement.judgement import Judgement
 from shipid.autopilot.judgement.margins import Margins
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import notice_of, plain_notices
+from shipid.foundation.numbers import number
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 
@@ -91,7 +92,7 @@ class TuningComparison(DrawnResult):
         for r in self.rows:
             name = f"{r.what} [{r.unit}]" if r.unit else r.what
             cells = "".join(
-                ((_nothing(r.what, "-") if v is None else f"{v:.4g}") + (" *" if r.better == k else "  ")).rjust(22)
+                ((_nothing(r.what, "-") if v is None else number(v, 4)) + (" *" if r.better == k else "  ")).rjust(22)
                 for k, v in enumerate(r.values)
             )
             lines.append(f"  {name.ljust(width)}{cells}")
