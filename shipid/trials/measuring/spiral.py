@@ -178,34 +178,27 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
 def _stages(trial: Trial, faults: Faults) -> tuple[str, list[_Stage]]:
     """The stages of a spiral, by the rudder or by the rate of turn; none where there is no spiral."""
     rudder = steering_of(trial, "order", wrong=faults.wrong.get("delta")).channel
-    by_rudder = _held(rudder.t, rudder.y)
+    by_rudder = _held(*_once(rudder.t, rudder.y))
     psi = channel_of(trial, "psi", faults.wrong.get("psi"))
-    by_rate: list[_Stage] = []
     t, y = _once(psi.t, psi.y)
     if len(t) >= 50:
         width = 0.3 * _SHORTEST * float(t[-1] - t[0])
         rate = series.smoothed(t, np.gradient(series.smoothed(t, y, width), t), width)
-        by_rate = _held(t, rate)
-    # What is held is at its level first: the rudder in a direct spiral, the rate of turn in a reversed one.
-    first = sum(s.end - s.start for s in by_rudder) >= sum(s.end - s.start for s in by_rate)
-    for method, found in (("direct", by_rudder), ("reversed", by_rate))[:: 1 if first else -1]:
-        if _goes_through(found):
-            return method, found
-    return "direct", []
+        # What is held is at its level first: the rudder in a direct spiral, the rate of turn in a reversed one.
+        if np.mean(_still(t, rate)) > np.mean(_still(*_once(rudder.t, rudder.y))):
+            by_rate = _held(t, rate)
+            if _goes_through(by_rate):
+                return "reversed", by_rate
+    return "direct", by_rudder if _goes_through(by_rudder) else []
 
 
 def _held(t: np.ndarray, y: np.ndarray) -> list[_Stage]:
     """Stretches at one level."""
-    t, y = _once(t, y)
     if len(t) < 50:
         return []
     least = _SHORTEST * float(t[-1] - t[0])
-    span = float(np.quantile(y, 0.98) - np.quantile(y, 0.02))
-    if span <= 0:
-        return []
-    calm = series.smoothed(t, y, 0.3 * least)
-    still = np.concatenate(([False], np.abs(np.gradient(calm, t)) < _LEVEL * span / least, [False]))
-    edges = np.flatnonzero(np.diff(still))
+    span = _span(y)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], _still(t, y), [False]))))
     result: list[_Stage] = []
     for first, last in zip(edges[0::2], edges[1::2] - 1):
         level = float(np.median(y[first : last + 1]))
@@ -214,6 +207,17 @@ def _held(t: np.ndarray, y: np.ndarray) -> list[_Stage]:
         elif t[last] - t[first] >= least:
             result.append(_Stage(float(t[first]), float(t[last]), level))
     return result
+
+
+def _span(y: np.ndarray) -> float:
+    return float(np.quantile(y, 0.98) - np.quantile(y, 0.02))
+
+
+def _still(t: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Whether each sample stands at a level; nowhere where the record has none but one."""
+    least = _SHORTEST * float(t[-1] - t[0])
+    calm = series.smoothed(t, y, 0.3 * least)
+    return np.abs(np.gradient(calm, t)) < _LEVEL * _span(y) / least
 
 
 def _once(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -65,6 +65,14 @@ def test_unstable_ship_has_a_loop_of_the_height_of_its_steady_rates():
     assert any("the loop is 2.5 deg to 5 deg wide" in note for note in found.notes)
 
 
+def test_stages_held_longer_near_midships_are_still_those_of_the_rudder():
+    """All begin at whole hundreds of seconds: that is no sensor that is read every 100 s, nor a rate that is held."""
+    held = np.concatenate([np.full(600 if abs(angle) <= 5 else 200, float(angle)) for angle in [0.0, *STAIRS]])
+    found = measure(sail(held))
+    assert found.title == "direct spiral"
+    assert found.loop_height == pytest.approx(0.0, abs=1e-3)
+
+
 def test_reversed_spiral_shows_the_unstable_branch():
     """The rudder that holds each rate: d = (b1 r + b3 r^3)/a, its extremes at r = +-sqrt(-b1/(3 b3))."""
     a, b1, b3 = 0.02, -0.02, 0.05

@@ -23,6 +23,9 @@ READINGS = ("order", "moved")
 _BEATS = 25
 """Values of a slow sensor at least: a rudder of fewer, that steps at a beat, is held at one angle after the other."""
 
+_SLOWEST = 20.0
+"""Beat of the slowest sensor of a rudder [s]: one that steps at a longer beat is held so, as in a spiral."""
+
 
 @dataclass(frozen=True, eq=False)
 class Steering:
@@ -142,7 +145,8 @@ def steering_of(
         # A slow sensor whose last value is written again in every row, or drawn on to the next, knows the rudder at its own beat; of few values each is held.
         again = repeats_of(trial[column])
         again = between_knots(trial[column]) if again is None else again
-        if again is not None and np.count_nonzero(~again) >= _BEATS:
+        own = np.empty(0) if again is None else trial["t"][~again]
+        if again is not None and len(own) >= _BEATS and usual_interval(own) <= _SLOWEST:
             wrong = again if wrong is None else wrong | again
     channel = _without_blips(channel_of(trial, column, wrong, spikes=False))
     channel = channel if logged else _drawn(channel)

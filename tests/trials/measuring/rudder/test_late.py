@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.doctor.early_rudder import order_answered
 from shipid.trials.measuring.measure import measure
 from shipid.trials.trial import Trial
 
@@ -67,3 +68,11 @@ def test_an_order_in_ramps_that_comes_before_its_copy(logged):
     frame["delta_order [deg]"] = np.interp(t + 4.0, t, frame["delta [deg]"])
     [found] = [f for f in check_trial(Trial.from_frame(frame)).findings if f.kind == "order-early"]
     assert "the rudder sets out 4" in found.message
+
+
+def test_an_order_of_a_handful_of_samples_tells_nothing_of_the_gear(logged):
+    frame = logged(0.5, order=True)[0].to_frame()
+    order = frame["delta_order [deg]"].to_numpy().copy()
+    rows = np.flatnonzero(np.diff(order) != 0)[:4] + 1
+    frame["delta_order [deg]"] = np.where(np.isin(np.arange(len(order)), rows), order, np.nan)
+    assert order_answered(Trial.from_frame(frame), "delta_order") is None

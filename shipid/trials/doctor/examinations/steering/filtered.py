@@ -53,9 +53,9 @@ def regular_signals(p: WorkingCopy, name: str) -> Signals | None:
     Returns
     -------
     Signals or None
-        None where the record is too short, or holds neither rate nor heading.
+        None where the record is too short, or holds no rudder, or neither rate nor heading.
     """
-    if len(p) < 40 or not (p.has("r") or p.has("psi")):
+    if len(p) < 40 or not p.has(name) or not (p.has("r") or p.has("psi")):
         return None
     span = float(p.t[-1] - p.t[0])
     heading = "r" if p.has("r") else "psi"
