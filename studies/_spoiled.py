@@ -211,14 +211,6 @@ def clipped(name: str, share: float) -> Callable[[Log], None]:
     return change
 
 
-def places(log: Log) -> None:
-    """Positions as degrees and minutes with letters, as in 52 30.1234 N."""
-    for c, name, start, metres, letter in (("x", "Latitude", 52.5, 111270.0, "N"), ("y", "Longitude", 4.2, 67900.0, "E")):
-        degrees = start + log[c] / metres
-        log.texts[c] = [f"{int(d):02d} {60 * (d % 1):08.5f} {letter}" for d in degrees]
-        log.names[c], log.units[c] = name, ""
-
-
 def nothing(log: Log) -> None:
     """A sound log."""
 
@@ -284,8 +276,7 @@ KINDS: dict[str, Kind] = {
     "semicolons and decimal commas": Kind(lambda log: (setattr(log, "separator", ";"), setattr(log, "decimal", ","))[0], sound=True),
     "clock over midnight": Kind(lambda log: clock(log, "midnight"), sound=True),
     "heading off by 4 deg": Kind(scaled("psi", 1.0, 4.0), sound=True, layout=("psi", "delta")[:2], only="zigzag"),
-    "places with minutes and letters": Kind(places, sound=True, only="turn"),
-    "ordered about until the order": Kind(helm(5.0, 9.0, 0.0), sound=True, only="zigzag", layout=LAYOUTS[0], ship="soesterberg"),
+    "ordered about until the order": Kind(helm(5.0, 9.0, 0.0), only="zigzag", angles=(20, 20), layout=LAYOUTS[0]),
     "speed in knots": Kind(header("u", "STW", "kn", 1.943844), sound=True),
     "German header": Kind(both(header("psi", "Kurs", "Grad"), header("delta", "Ruderlage", "Grad"))),
     "heavy swell, heading of 0.5 deg": Kind(sea(1.2, 12, 0.5)),
