@@ -276,6 +276,7 @@ KINDS: dict[str, Kind] = {
     "semicolons and decimal commas": Kind(lambda log: (setattr(log, "separator", ";"), setattr(log, "decimal", ","))[0], sound=True),
     "clock over midnight": Kind(lambda log: clock(log, "midnight"), sound=True),
     "heading off by 4 deg": Kind(scaled("psi", 1.0, 4.0), sound=True, layout=("psi", "delta")[:2], only="zigzag"),
+    "ordered about until the order": Kind(helm(5.0, 9.0, 0.0), only="zigzag", angles=(20, 20), layout=LAYOUTS[0]),
     "speed in knots": Kind(header("u", "STW", "kn", 1.943844), sound=True),
     "German header": Kind(both(header("psi", "Kurs", "Grad"), header("delta", "Ruderlage", "Grad"))),
     "heavy swell, heading of 0.5 deg": Kind(sea(1.2, 12, 0.5)),

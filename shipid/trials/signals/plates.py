@@ -141,7 +141,7 @@ def regular(found: list[Plate]) -> list[Plate]:
     nominal = _middle(steady)
     sides = {side: _middle([plate for plate in steady if plate.side == side]) or nominal for side in (1, -1)}
     alike = np.array([abs(abs(p.angle) - sides[p.side]) <= 0.1 * sides[p.side] for p in steady])
-    weights = np.array([(p.last - p.first) * p.dwell for p in steady])
+    weights = np.array([_weight(p) for p in steady])
     if min(sides.values()) < _LOPSIDED * max(sides.values()) or float(weights @ alike) < _MOST * float(weights.sum()):
         sides = dict.fromkeys(sides, nominal)
     best: list[Plate] = []
@@ -154,11 +154,16 @@ def regular(found: list[Plate]) -> list[Plate]:
     return best
 
 
+def _weight(plate: Plate) -> float:
+    """For how many samples a plate is held; what lies amidships behind the last one of a record counts for nothing."""
+    return (plate.last - plate.first) * (1 - plate.idle) * plate.dwell
+
+
 def _middle(steady: list[Plate]) -> float:
     """Median angle of plates, each with the weight of how long it is held [rad]; 0 of none."""
     if not steady:
         return 0.0
-    weights = np.array([(p.last - p.first) * p.dwell for p in steady])
+    weights = np.array([_weight(p) for p in steady])
     angles = np.array([abs(p.angle) for p in steady])
     order = np.argsort(angles)
     middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())

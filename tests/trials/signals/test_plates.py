@@ -27,6 +27,12 @@ def test_hand_steering_to_the_same_side_is_a_plate_of_its_own():
     assert [plate.first for plate in regular(found)] == [90, 130, 170]
 
 
+def test_steering_back_to_the_course_does_not_take_the_place_of_the_plates():
+    """The rudder of the way back is followed by a long stretch amidships, which is no plate of it."""
+    found = plates(rudder((0, 20), *((side * 20, 60) for side in (-1, 1, -1, 1, -1)), (12.5, 60), (0, 100)))
+    assert [plate.first for plate in regular(found)] == [20, 80, 140, 200, 260]
+
+
 def test_a_rudder_that_is_let_go_is_not_reversed():
     found = plates(rudder((0, 20), (35, 30), (0, 40), (-35, 30), (0, 20)))
     assert len(found) == 2 and len(regular(found)) == 1
