@@ -114,7 +114,8 @@ class Situation(Result):
         if abs(self.values.get("v", 0.0)) > self.values["u"]:
             raise UsageError(
                 f"a prediction runs along the distance sailed ahead, and at v = {self.values['v']:.3g} m/s beside u = "
-                f"{self.values['u']:.3g} m/s the ship drifts by more than 45 degrees: state the speed ahead as u."
+                f"{self.values['u']:.3g} m/s the ship drifts by more than 45 degrees: state the speed ahead as u; of a trial, check "
+                "that it is this ship's."
             )
         count = len(self.uncertain)
         if self.covariance.shape != (count, count) or not np.isfinite(self.covariance).all():
