@@ -198,7 +198,8 @@ class BridgeCore:
         # What is asked once a trial has changed says nothing of the route; nor has a ship that others steer anything executed.
         if self.watch is not None and (asked.executed or asked.leg or self.watch.next_leg is None):
             track = None if answer.executed is None else answer.executed.track
-            self.watch.take(answer.wheel_over, track, asked.t)
+            # Where a turn begins is not known from the first samples: the time would jump, by minutes, and with it a warning.
+            self.watch.take(None if self.own_ship.starting else answer.wheel_over, track, asked.t)
         if self.watch is not None:
             self.watch.unsteered = answer.unsteered
         executed = self.console.executed

@@ -268,6 +268,11 @@ class OwnShip:
         return self._gate.rejected
 
     @property
+    def starting(self) -> bool:
+        """Whether the filter has begun a moment ago: a rate of turn read once or twice passes for a moment as of ten degrees of rudder."""
+        return self._t - self._began < _STARTING
+
+    @property
     def health(self) -> Health:
         """How the filter does."""
         if self._t - self._diverged < _AFTERMATH:
@@ -276,7 +281,7 @@ class OwnShip:
             return "starting"
         if "psi" in self.sensors.lost:
             return "lost"
-        if self._t - self._began < _STARTING:
+        if self.starting:
             return "starting"
         return "doubtful" if self._gate.many or self._situation is None else "well"
 
