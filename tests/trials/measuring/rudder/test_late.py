@@ -72,7 +72,7 @@ def test_an_order_in_ramps_that_comes_before_its_copy(logged):
 
 def test_an_order_of_a_handful_of_samples_tells_nothing_of_the_gear(logged):
     frame = logged(0.5, order=True)[0].to_frame()
-    order = frame["delta_order [deg]"].to_numpy().copy()
-    rows = np.flatnonzero(np.diff(order) != 0)[:4] + 1
-    frame["delta_order [deg]"] = np.where(np.isin(np.arange(len(order)), rows), order, np.nan)
-    assert order_answered(Trial.from_frame(frame), "delta_order") is None
+    order = np.full(len(frame), np.nan)
+    order[[40, 200, 330, 400]] = 20.0, 20.0, -20.0, -20.0
+    trial = Trial.from_frame(frame.assign(**{"delta_order [deg]": order}))
+    assert order_answered(trial, "delta_order") is None
