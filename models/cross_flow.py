@@ -17,8 +17,8 @@ from __future__ import annotations
 import numpy as np
 
 from shipid import constant, given, join, parameter, state
-from shipid.models.speed_scaled import WindForces, WindMoment
 from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
+from shipid.parts.wind import WindForces, WindMoment
 
 #: Gauss-Legendre points along the hull, from -1/2 to 1/2 of the length, with their weights. For a full drag six of them
 #: are exact where the cross-flow keeps its sign along the hull; where it changes, the moment is within 0.3 %, and the force
@@ -149,7 +149,7 @@ class CrossFlow(SpeedScaled):
 
 
 class CrossFlowInWind(WindMoment, CrossFlow):
-    """Sway, yaw and surge with cross-flow drag, turned by the true wind of the log; joined with `WindForces`."""
+    """Sway, yaw and surge with cross-flow drag, turned and pushed by the wind of the log; joined with `WindForces`."""
 
 
 cross_flow = join("cross-flow", CrossFlow, PlanarMotion)

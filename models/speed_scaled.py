@@ -6,13 +6,12 @@ order and not the rudder, a pond with wind.
 
 from __future__ import annotations
 
-import numpy as np
-
-from shipid import Component, constant, derived, given, join, parameter, state
+from shipid import Component, given, join, parameter, state
 from shipid.models.bech_surge import SlipstreamYaw, Surge
 from shipid.models.de_keizer import DeKeizer
 from shipid.models.van_leeuwen import VanLeeuwenSway
 from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
+from shipid.parts.wind import WindMoment
 
 
 class CubicYaw(SpeedScaled):
@@ -37,86 +36,8 @@ class CubicYaw(SpeedScaled):
         return self.delta
 
 
-class WindMoment(Component):
-    """Yaw acceleration by the true wind, two harmonics of its direction.
-
-    The prior is 0.004: a moment coefficient of 0.1, equal lateral areas above and below the water, the densities of air and
-    water, and a ship's moment of inertia.
-
-    It states the yaw disturbance, so it joins with any model of yaw in the place of `Wind`, which reads the relative
-    wind and has a longitudinal force as well.
-    """
-
-    psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
-    wind_speed = given("m/s", "true wind speed", default=0.0, latex="V_w")
-    wind_direction = given("rad", "direction the true wind blows to", default=0.0, wraps=True, latex=r"\psi_w")
-    r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
-    L = constant("m", "length between perpendiculars")
-    w1 = parameter(
-        "1",
-        "first harmonic of the wind moment",
-        start=0.0,
-        low=-0.1,
-        high=0.1,
-        spread=0.004,
-        nominal=0.002,
-        latex="w_1",
-    )
-    w2 = parameter(
-        "1",
-        "second harmonic of the wind moment",
-        start=0.0,
-        low=-0.1,
-        high=0.1,
-        spread=0.004,
-        nominal=0.002,
-        latex="w_2",
-    )
-    same_at_any_loading = ("w1", "w2")
-    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind and by what else acts", latex=r"\dot r_d")
-
-    @r_disturbance.equals
-    def moment(self):
-        """The second harmonic of Passenier (1989), eq. (2.87), and a first one, both of the true wind.
-
-        The first harmonic is the lever of the lateral area before or abaft midships. With the direction the wind comes
-        from, w1 would change its sign, and w2 would not.
-        """
-        angle = self.wind_direction - self.psi
-        wind = (self.wind_speed / self.L) ** 2 * (self.w1 * np.sin(angle) + self.w2 * np.sin(2 * angle))
-        return wind + self.r_residual
-
-
-class WindForces(Component):
-    """Forward and sway acceleration by the true wind, beside `WindMoment`, for a model that states both speeds by their rates.
-
-    They push the ship along her track: in a slow turn as far as the water does. The priors are
-    this project's own estimate: force coefficients of 0.7 ahead and 0.8 aside, above the water half the lateral area and as much frontal area
-    as below it, for a full hull, each as uncertain as it is large. A wind does not push a ship against itself, so neither is negative.
-    """
-
-    psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
-    wind_speed = given("m/s", "true wind speed", default=0.0, latex="V_w")
-    wind_direction = given("rad", "direction the true wind blows to", default=0.0, wraps=True, latex=r"\psi_w")
-    L = constant("m", "length between perpendiculars")
-    w_x = parameter("1", "surge force of the wind", start=0.0005, low=0.0, high=0.02, spread=0.0005, latex="w_x")
-    w_y = parameter("1", "sway force of the wind", start=0.001, low=0.0, high=0.02, spread=0.001, latex="w_y")
-    u_disturbance = derived("m/s^2", "forward acceleration by the wind", latex=r"\dot u_d")
-    v_disturbance = derived("m/s^2", "sway acceleration by the wind", latex=r"\dot v_d")
-
-    @u_disturbance.equals
-    def push_ahead(self):
-        """Passenier (1989), eq. (2.88), of the true wind."""
-        return self.wind_speed**2 / self.L * self.w_x * np.cos(self.wind_direction - self.psi)
-
-    @v_disturbance.equals
-    def push_aside(self):
-        """Passenier (1989), eq. (2.76) with (2.79) and (2.83), of the true wind, divided by the mass."""
-        return self.wind_speed**2 / self.L * self.w_y * np.sin(self.wind_direction - self.psi)
-
-
 class CubicYawInWind(WindMoment, CubicYaw):
-    """First-order yaw with a cubic damping, scaled by the measured speed, and a moment by the true wind of the log."""
+    """First-order yaw with a cubic damping, scaled by the measured speed, and a moment by the wind of the log."""
 
 
 class ActuatorLag(Component):

@@ -52,6 +52,8 @@ class Case:
         Weather and inputs, see `shipid.simulate`.
     signals : tuple of str or None
         What is fitted; all by default.
+    sailed : str
+        The model that sails, to which `shipid.simulate` adds the weather; by default the one that is identified.
     """
 
     words: str
@@ -61,6 +63,7 @@ class Case:
     ship: str = "soesterberg"
     sailing: Mapping[str, Any] = field(default_factory=dict)
     signals: tuple[str, ...] | None = None
+    sailed: str = ""
 
     @property
     def model(self) -> shipid.Model:
@@ -78,6 +81,12 @@ CASES = (
     Case("force and moment by the wind, eq. (2.76)", (*HULL, "Wind"), {"N_w": "5e-7 rad/m^2", "F_w": "5e-7 1/m^2"}, sailing=WIND),
     Case("the same from heading and track alone", (*HULL, "Wind"), {"N_w": "5e-7 rad/m^2", "F_w": "5e-7 1/m^2", "K": 1.6, "tau": 1.7},
          sailing=WIND, signals=("psi", "x", "y")),
+    Case("the wind that is simulated, read from the log", ("de-keizer-wind",), {"N_w": "3.3e-7 rad/m^2", "F_w": "3.5e-7 1/m^2", "K": 1.6},
+         sailed="de-keizer", sailing=WIND),
+    Case("the same from heading, rate and speed", ("de-keizer-wind",), {"N_w": "3.3e-7 rad/m^2", "F_w": "3.5e-7 1/m^2", "K": 1.6},
+         sailed="de-keizer", sailing=WIND, signals=("psi", "r", "u")),
+    Case("the same from heading and track", ("de-keizer-wind",), {"N_w": "3.3e-7 rad/m^2", "F_w": "3.5e-7 1/m^2", "K": 1.6},
+         sailed="de-keizer", sailing=WIND, signals=("psi", "x", "y")),
     Case("no wind, heading and track alone", ("de-keizer",), {"K": 1.6, "tau": 1.7}, signals=("psi", "x", "y")),
     Case("leeway, eq. (2.83)", ("DeKeizer", "VanLeeuwenSwayInWind", "PlanarMotion", "Leeway"), {"k_w": 0.01}, sailing=WIND),
     Case("force to the side by the wind, eq. (2.76)", ("CrossFlow", "PlanarMotion", "Wind", "LateralWind"),
@@ -94,7 +103,7 @@ def identified(case: Case, run: int) -> shipid.Fit:
     model = case.model
     trials = [
         shipid.simulate(
-            model,
+            case.sailed or model,
             case.ship,
             manoeuvre,
             noise="standard",

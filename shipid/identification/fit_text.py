@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, shown, shown_estimate, to_display
 from shipid.estimation.estimate import Estimate
@@ -83,7 +84,8 @@ def range_lines(model: Model, known: Joint | None) -> list[str]:
     words = {} if known is None else range_words(known)
     said = [f"speeds {words[n]}" if n == "u" else words[n] for n in words]
     lines = [f"  seen      {', '.join(said)}; beyond that it extrapolates"] if said else []
-    dimensional = [n for n in model.parameters if model[n].quantity.prime]
+    # A length alone is the same at every speed.
+    dimensional = [n for n in model.parameters if model[n].quantity.prime and Scale(1.0, 2.0).factor_of(model[n]) != 1]
     if known is not None and known.belongs_to is not None and dimensional:
         at = shown(known.belongs_to, "u", "m/s", digits=3)
         lines.append(

@@ -29,12 +29,11 @@ from shipid.parameters.parameter_file import read_parameter_set
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.planar_motion import PlanarMotion
 from shipid.parts.rudder_delay import RudderDelay
+from shipid.parts.wind import WindForces, WindMoment, WindPush
 
 _PACKAGE = "shipid.models"
-#: What stands at the end of the name of a model that the true wind of a log turns, and the component that states how.
-IN_WIND, _WIND = "-wind", "WindMoment"
-#: What the wind does besides turning a ship whose model takes both accelerations.
-_PUSHES, _PUSHED = "WindForces", ("u_disturbance", "v_disturbance")
+#: What stands at the end of the name of a model that the wind of a log turns and pushes.
+IN_WIND = "-wind"
 #: What stands at the end of the name of a model whose rudder acts later than it is recorded.
 DELAYED = "-delay"
 #: What stands at the end of the name of a model whose coefficients depend on the loading, and what makes it.
@@ -103,7 +102,7 @@ def find_model(name: str) -> Model:
     ----------
     name : str
         ``"de-keizer"``, or a file and the name of a model or a component class in it. With ``-wind`` after it, any model of yaw is
-        joined with the moment of the true wind; with ``-delay`` at the end, any that reads the rudder has a dead time of it; with
+        joined with the moment and the push of the wind; with ``-delay`` at the end, any that reads the rudder has a dead time of it; with
         ``-draught`` or ``-displacement``, the coefficients of any depend on the loading (`shipid.parameters.loading`).
 
     Raises
@@ -147,7 +146,7 @@ def delayed(model: Model) -> Model:
 
 
 def in_wind(model: Model) -> Model:
-    """Return a model with the moment of the true wind, and its forces where the model takes them; or the same where it has a wind or no yaw for one to act on.
+    """Return a model with the moment of the wind, and the forces that it takes; or the same where it has a wind or no yaw for one to act on.
 
     Parameters
     ----------
@@ -157,8 +156,9 @@ def in_wind(model: Model) -> Model:
     if "wind_speed" in model or "r_disturbance" not in model.inputs:
         return model
     name = model.name + IN_WIND
-    forces = [known_component(_PUSHES)] if set(_PUSHED) <= set(model.inputs) else []
-    return known_models().get(name) or join(name, model, known_component(_WIND), *forces)
+    force = WindForces if "v_disturbance" in model.inputs else WindPush
+    pushed = "u_disturbance" in model.inputs
+    return known_models().get(name) or join(name, model, WindMoment, *((force,) if pushed else ()))
 
 
 #: What the name of a model may end in, and what makes that model of the one without it.

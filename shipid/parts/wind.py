@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.component import Component
 from shipid.declaration.quantity import constant, derived, given, parameter
+from shipid.foundation.aliases import Expression
 
 
 class RelativeWind(Component):
@@ -43,6 +44,16 @@ class RelativeWind(Component):
         drift = self.current_east * np.cos(self.psi) - self.current_north * np.sin(self.psi)
         return self.wind_speed * np.sin(self.wind_direction - self.psi) - self.v - drift
 
+    def blowing(self, acceleration: Expression) -> Expression:
+        """Return what the wind does to the ship; none in a calm, where the hull's coefficients hold what the air does to her own motion.
+
+        Parameters
+        ----------
+        acceleration : Expression
+            By the relative wind.
+        """
+        return np.where(self.wind_speed > 0, acceleration, 0 * acceleration)
+
     @wind_relative.equals
     def relative_speed(self):
         """Passenier (1989), eq. (2.74)."""
@@ -54,11 +65,40 @@ class RelativeWind(Component):
         return np.arctan2(self.wind_aside, self.wind_ahead)
 
 
-class Wind(RelativeWind):
+class WindPush(RelativeWind):
+    """The surge acceleration by the wind.
+
+    The prior is wide: a model whose speed follows its turns within some ship lengths needs ten times the push of the real one to lose
+    as much speed.
+    """
+
+    L = constant("m", "length between perpendiculars")
+    F_w = parameter(
+        "1/m^2",
+        "acceleration ahead per relative wind speed squared and length",
+        start=0.01,
+        low=0.0,
+        high=0.5,
+        spread=0.02,
+        prime=True,
+        latex="F_w'",
+    )
+    u_disturbance = derived("m/s^2", "forward acceleration by the wind", latex=r"\dot u_d")
+
+    @u_disturbance.equals
+    def push(self):
+        """Passenier (1989), eq. (2.86) with (2.88): F_w' cos(gamma_r) V_wr^2, as an acceleration ahead.
+
+        (2.86) prints it with a plus, which would let a wind from aft add to the loss of speed. Multiplied by L, it is
+        (2.88) at u = U0; elsewhere the print, which divides by u for U0, differs by their ratio.
+        """
+        return self.blowing(self.F_w * self.L * self.wind_ahead * self.wind_relative)
+
+
+class Wind(WindPush):
     """The yaw and surge accelerations by the wind."""
 
     r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
-    L = constant("m", "length between perpendiculars")
     N_w = parameter(
         "rad/m^2",
         "yaw acceleration per relative wind speed squared",
@@ -68,31 +108,12 @@ class Wind(RelativeWind):
         prime=True,
         latex="N_w'",
     )
-    F_w = parameter(
-        "1/m^2",
-        "acceleration ahead per relative wind speed squared and length",
-        start=0.01,
-        low=0.0,
-        high=0.5,
-        prime=True,
-        latex="F_w'",
-    )
     r_disturbance = derived("rad/s^2", "yaw acceleration by the wind and by what else acts", latex=r"\dot r_d")
-    u_disturbance = derived("m/s^2", "forward acceleration by the wind", latex=r"\dot u_d")
 
     @r_disturbance.equals
     def moment(self):
         """Passenier (1989), eq. (2.85) with (2.87): N_w' sin(2 gamma_r) V_wr^2; and what is none of the wind's."""
-        return 2 * self.N_w * self.wind_ahead * self.wind_aside + self.r_residual
-
-    @u_disturbance.equals
-    def push(self):
-        """Passenier (1989), eq. (2.86) with (2.88): F_w' cos(gamma_r) V_wr^2, as an acceleration ahead.
-
-        (2.86) prints it with a plus, which would let a wind from aft add to the loss of speed. Multiplied by L, it is
-        (2.88) at u = U0; elsewhere the print, which divides by u for U0, differs by their ratio.
-        """
-        return self.F_w * self.L * self.wind_ahead * self.wind_relative
+        return self.blowing(2 * self.N_w * self.wind_ahead * self.wind_aside) + self.r_residual
 
 
 class LateralWind(RelativeWind):
@@ -111,9 +132,80 @@ class LateralWind(RelativeWind):
     v_disturbance = derived("m/s^2", "sway acceleration by the wind", latex=r"\dot v_d")
 
     @v_disturbance.equals
-    def push(self):
+    def push_aside(self):
         """Passenier (1989), eq. (2.76) with (2.79) and (2.83): a_y sin(gamma_r) V_wr^2, divided by the mass."""
-        return self.Y_w * self.L * self.wind_aside * self.wind_relative
+        return self.blowing(self.Y_w * self.L * self.wind_aside * self.wind_relative)
+
+
+class WindMoment(RelativeWind):
+    """The moment of `Wind`, and that of a lateral area before or abaft midships: for a model whose log has the wind.
+
+    The prior is 0.01: a moment coefficient of 0.1 to 0.25, equal lateral areas above and below the water, the densities of air and
+    water, and a ship's moment of inertia.
+    """
+
+    r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
+    L = constant("m", "length between perpendiculars")
+    N_w = parameter(
+        "rad/m^2",
+        "yaw acceleration per relative wind speed squared, second harmonic of its angle",
+        start=0.0,
+        low=-0.5,
+        high=0.5,
+        spread=0.01,
+        nominal=0.002,
+        prime=True,
+        latex="N_w'",
+    )
+    N_w1 = parameter(
+        "rad/m^2",
+        "yaw acceleration per relative wind speed squared, first harmonic of its angle",
+        start=0.0,
+        low=-0.5,
+        high=0.5,
+        spread=0.01,
+        nominal=0.002,
+        prime=True,
+        latex="N_{w1}'",
+    )
+    same_at_any_loading = ("N_w", "N_w1")
+    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind and by what else acts", latex=r"\dot r_d")
+
+    @r_disturbance.equals
+    def moment(self):
+        """Passenier (1989), eq. (2.85) with (2.87), and a first harmonic, which (2.87) leaves out: N_w1' sin(gamma_r) V_wr^2."""
+        levered = self.N_w1 * self.wind_aside * self.wind_relative
+        return self.blowing(2 * self.N_w * self.wind_ahead * self.wind_aside + levered) + self.r_residual
+
+
+class WindForces(WindPush, LateralWind):
+    """Forward and sway acceleration by the wind, beside `WindMoment`, for a model that states both speeds by their rates.
+
+    They push the ship along her track: in a slow turn as far as the water does. The priors are
+    this project's own estimate: force coefficients of 0.7 ahead and 0.8 aside, above the water half the lateral area and as much frontal area
+    as below it, for a full hull, each as uncertain as it is large. A wind does not push a ship against itself, so neither is negative.
+    """
+
+    F_w = parameter(
+        "1/m^2",
+        "acceleration ahead per relative wind speed squared and length",
+        start=0.001,
+        low=0.0,
+        high=0.5,
+        spread=0.005,
+        prime=True,
+        latex="F_w'",
+    )
+    Y_w = parameter(
+        "1/m^2",
+        "acceleration to the side per relative wind speed squared and length",
+        start=0.002,
+        low=0.0,
+        high=1.0,
+        spread=0.005,
+        prime=True,
+        latex="Y_w'",
+    )
 
 
 class Leeway(Component):

@@ -374,3 +374,14 @@ def test_a_stretch_in_which_the_compass_was_silent():
     assert fit.fitted[1].measures.kind == ""
     near_truth(fit)
     json.dumps(fit.to_dict(), allow_nan=False)
+
+
+@pytest.mark.parametrize("seed", [10, 20])
+def test_a_speed_that_a_noisy_log_gives_as_one_number_is_in_the_intervals(seed):
+    """The gain of a model scaled by the speed goes with its square: of twenty samples of 0.13 m/s, one per cent of 8 m/s."""
+    noise = "psi=0.3 deg,r=0.03 deg/s,u=0.13 m/s"
+    trial = shipid.simulate("cubic", "kvlcc2", "zigzag:20/20", noise=noise, seed=seed)
+    gain = shipid.identify("cubic", [trial], ship="kvlcc2", signals=["psi", "r"], starts=1).parameters["a"]
+    truth = shipid.find_ship("kvlcc2").values(shipid.find_model("cubic"))["a"]
+    assert abs(gain.value - truth) < 3 * gain.std
+    assert 0.003 * truth < gain.std < 0.02 * truth

@@ -233,8 +233,9 @@ def cross_flow(n: Numbers) -> Numbers:
 
 
 def cross_flow_wind(n: Numbers) -> Numbers:
-    n |= wind_moment(n) | wind_forces(n)
-    return cross_flow(n) | {name: n[name] for name in ("r_disturbance", "u_disturbance", "v_disturbance")}
+    blown = wind_moment(n, sway=-1.9) | wind_forces(n, sway=-1.9)
+    n |= {name: blown[name] for name in ("r_disturbance", "u_disturbance", "v_disturbance")}
+    return cross_flow(n) | blown
 
 
 def cubic(n: Numbers) -> Numbers:
@@ -259,20 +260,29 @@ def wave_level(n: Numbers) -> Numbers:
 
 
 def cubic_wind(n: Numbers) -> Numbers:
-    n |= wind_moment(n)
-    return cubic(n) | {"r_disturbance": n["r_disturbance"]}
+    blown = wind_moment(n, sway=-0.46 * 161.0 * 0.0117)
+    n["r_disturbance"] = blown["r_disturbance"]
+    return cubic(n) | blown
 
 
-def wind_moment(n: Numbers) -> Numbers:
-    n |= {"wind_speed": 12.0, "wind_direction": 2.9, "w1": -0.002, "w2": -0.0015}
-    across, along = sin(2.9) * cos(0.83) - cos(2.9) * sin(0.83), cos(2.9) * cos(0.83) + sin(2.9) * sin(0.83)
-    return {"r_disturbance": 144.0 / 161.0**2 * (-0.002 * across - 0.003 * across * along)}
+def wind_moment(n: Numbers, sway: float = -0.41) -> Numbers:
+    seen = wind(n, sway)
+    n |= {"N_w1": -2e-7}
+    levered = -2e-7 * seen["wind_relative"] ** 2 * sin(seen["wind_angle"])
+    return _relative(seen) | {"r_disturbance": seen["r_disturbance"] + levered}
 
 
-def wind_forces(n: Numbers) -> Numbers:
-    n |= {"wind_speed": 12.0, "wind_direction": 2.9, "w_x": 0.0011, "w_y": 0.0017}
-    across, along = sin(2.9) * cos(0.83) - cos(2.9) * sin(0.83), cos(2.9) * cos(0.83) + sin(2.9) * sin(0.83)
-    return {"u_disturbance": 144.0 / 161.0 * 0.0011 * along, "v_disturbance": 144.0 / 161.0 * 0.0017 * across}
+def wind_push(n: Numbers, sway: float = -0.41) -> Numbers:
+    seen = wind(n, sway)
+    return _relative(seen) | {"u_disturbance": seen["u_disturbance"]}
+
+
+def wind_forces(n: Numbers, sway: float = -0.41) -> Numbers:
+    return wind_push(n, sway) | lateral_wind(n, sway)
+
+
+def _relative(seen: Numbers) -> Numbers:
+    return {k: v for k, v in seen.items() if k.startswith("wind_")}
 
 
 def de_keizer_lag(n: Numbers) -> Numbers:
@@ -420,11 +430,11 @@ def uniform_current(n: Numbers) -> Numbers:
     return {"current_north": 1.3 * cos(2.2), "current_east": 1.3 * sin(2.2)}
 
 
-def wind(n: Numbers) -> Numbers:
+def wind(n: Numbers, sway: float = -0.41) -> Numbers:
     n |= {"wind_speed": 12.0, "wind_direction": 2.9, "N_w": 3e-7, "F_w": 4e-7}
     # The vectors over the ground axes first, turned into the ship afterwards.
-    north = 12.0 * cos(2.9) - (6.7 * cos(0.83) + 0.41 * sin(0.83)) - 0.37
-    east = 12.0 * sin(2.9) - (6.7 * sin(0.83) - 0.41 * cos(0.83)) + 0.22
+    north = 12.0 * cos(2.9) - (6.7 * cos(0.83) - sway * sin(0.83)) - 0.37
+    east = 12.0 * sin(2.9) - (6.7 * sin(0.83) + sway * cos(0.83)) + 0.22
     speed, angle = hypot(north, east), atan2(east, north) - 0.83 + 2 * pi  # back into -pi..pi
     return {
         "wind_relative": speed, "wind_angle": angle, "wind_ahead": speed * cos(angle),
@@ -433,11 +443,11 @@ def wind(n: Numbers) -> Numbers:
     }  # fmt: skip
 
 
-def lateral_wind(n: Numbers) -> Numbers:
-    seen = wind(n)
+def lateral_wind(n: Numbers, sway: float = -0.41) -> Numbers:
+    seen = wind(n, sway)
     n |= {"Y_w": 5e-7}
     side = 5e-7 * 161.0 * seen["wind_relative"] ** 2 * sin(seen["wind_angle"])
-    return {k: v for k, v in seen.items() if k.startswith("wind_")} | {"v_disturbance": side}
+    return _relative(seen) | {"v_disturbance": side}
 
 
 def wind_harmonics(n: Numbers) -> Numbers:
@@ -454,7 +464,7 @@ def wind_harmonics(n: Numbers) -> Numbers:
         "v_disturbance": y * square / 161.0,
         "r_disturbance": m * square / 161.0**2,
     }
-    return {k: v for k, v in seen.items() if k.startswith("wind_")} | pushes
+    return _relative(seen) | pushes
 
 
 def leeway(n: Numbers) -> Numbers:
@@ -579,7 +589,7 @@ MODELS: dict[str, Case] = {
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled, "ActuatorLag": actuator_lag,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
-    "WindMoment": wind_moment, "WindForces": wind_forces, "LateralWind": lateral_wind, "WindHarmonics": wind_harmonics, "Leeway": leeway,
+    "WindMoment": wind_moment, "WindPush": wind_push, "WindForces": wind_forces, "LateralWind": lateral_wind, "WindHarmonics": wind_harmonics, "Leeway": leeway,
     "VanLeeuwenSwayInWind": sway_in_wind,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,
     "WaveLevel": wave_level, "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,

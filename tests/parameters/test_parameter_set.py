@@ -250,7 +250,7 @@ def test_a_message_about_lacking_values_shows_how_they_are_stated():
     """Values scaled by the length alone are shown where a search begins; of others no number is made up."""
     windy = join("in wind", find_model("nomoto"), Wind)
     said = str(missing_values(windy, {"L": 100.0, "K": 0.1, "tau": 10.0}, "ship x"))
-    assert "--set 'N_w=1e-06 rad/m²' --set 'F_w=1e-06 1/m²' (where a search begins" in said
+    assert "--set 'F_w=1e-06 1/m²' --set 'N_w=1e-06 rad/m²' (where a search begins" in said
     assert "--set 'K=VALUE 1/s'" in str(
         missing_values(windy, {"L": 100.0, "tau": 10.0, "N_w": 0.0, "F_w": 0.0}, "ship x")
     )

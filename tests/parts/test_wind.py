@@ -8,6 +8,8 @@ import pytest
 import shipid
 from shipid.declaration.model import Evaluation
 from shipid.models import DeKeizer, LateralWind, PlanarMotion, VanLeeuwenSwayInWind, Wind, WindHarmonics
+from shipid.parameters.catalogue import in_wind, known_models
+from shipid.trials.manoeuvres.flows import parts_in_wind
 
 MODEL = shipid.join("wind", Wind)
 
@@ -75,3 +77,24 @@ def test_calm_air_in_harmonics_is_finite():
     calm = dict.fromkeys((*model.inputs, *model.parameters), 0.1) | {"L": 7.0, "least": 0.01, "wind_speed": 0.0}
     found = Evaluation(model, calm | {"u": 0.0, "v": 0.0, "current_north": 0.0, "current_east": 0.0, "r_residual": 0.0})
     assert [found[n] for n in ("u_disturbance", "v_disturbance", "r_disturbance")] == [0.0, 0.0, 0.0]
+
+
+def carried() -> list[str]:
+    """Models that a wind turns."""
+    return [n for n, m in known_models().items() if in_wind(m) is not m]
+
+
+@pytest.mark.parametrize("name", carried())
+def test_what_simulates_a_wind_is_what_reads_it_from_a_log(name):
+    """A wind that `simulate` adds to a model, and the model that `identify` takes for its log, are one law."""
+    model = known_models()[name]
+    pushed = (LateralWind,) if "v_disturbance" in model.inputs else ()
+    sailed, read = shipid.join("sailed", model, *parts_in_wind(model, (9.0, 2.1)), *pushed), in_wind(model)
+    rng = np.random.default_rng(1)
+    names = {*sailed.states, *sailed.inputs, *sailed.parameters, *sailed.constants}
+    at = {n: 0.3 + 0.5 * rng.random() for n in sorted(names)}
+    at |= {"wind_speed": 9.0, "wind_direction": 2.1, "r_residual": 0.0, "N_w1": 0.0}
+    one, other = ({n: float(v) for n, v in Evaluation(m, at).right_hand_sides("rate").items()} for m in (sailed, read))
+    assert one == pytest.approx(other, rel=1e-12)
+    calm = Evaluation(sailed, at | {"wind_speed": 0.0})
+    assert float(calm["r_disturbance"]) == 0.0, "what the air does to her own motion is the hull's"

@@ -1,8 +1,9 @@
-"""What filling the inputs between their samples may have done to the outputs: one of the errors behind the coefficients.
+"""What filling the inputs between their samples, and the mean of a noisy log, may have done to the outputs: errors behind the coefficients.
 
 A rudder that sets out or stops between two samples is not on the straight line between them. How far inputs are off such lines
 is seen where they do have samples: each is left out in turn and interpolated from its neighbours. Errors of that size are drawn
-for the gaps, and the model is run with them.
+for the gaps, and the model is run with them. A model that takes the speed as given has it as one number, the mean before the manoeuvre: its
+standard error is drawn as well.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import numpy as np
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
+from shipid.generation.system import generate
 from shipid.identification.problem.output_error import Problem
 from shipid.parameters.draws import normal_draws
 from shipid.trials.filling import usual_interval
@@ -21,7 +23,7 @@ _DRAWS = 64
 
 
 def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None:
-    """Return changes of the weighted residuals of one trial by errors of its filled inputs.
+    """Return changes of the weighted residuals of one trial by errors of its filled inputs and of its one number for the speed.
 
     Parameters
     ----------
@@ -35,11 +37,13 @@ def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None
     Returns
     -------
     ndarray, shape (draws, signals, N), or None
-        None where every input is whole and no row is missing, or the model runs away.
+        None where every input is whole and sure and no row is missing, or the model runs away.
     """
     data, model = problem.trials[index], problem.model
     between = _between_rows(data.t)
-    if data.sampled is None and not between.size:
+    given_speed = "u" in model.inputs and "u" in generate(model).inputs_behind(problem.signals)
+    unsure = data.cruise_std if given_speed else 0.0
+    if data.sampled is None and not between.size and unsure <= 0:
         return None
     t = np.sort(np.concatenate([data.t, between]))
     rows = np.searchsorted(t, data.t)
@@ -50,6 +54,8 @@ def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None
         sampled[rows] = True if data.sampled is None else data.sampled[k]
         if np.ptp(values) > 0 and _has_gaps(t[sampled]):
             errors[:, k] = errors_between(t, values, sampled, seed=k)
+    if unsure > 0:
+        errors[:, model.inputs.index("u")] += unsure * normal_draws(1, _DRAWS, len(recorded))
     if not errors.any():
         return None
     record = make_record(model, problem.shown)

@@ -30,7 +30,7 @@ def test_the_wind_is_in_every_candidate_that_can_carry_it_and_each_is_there_once
     assert names(asked, trial) == asked
     assert names(asked, with_wind(trial)) == ["cubic-wind", "bech-slipstream-wind", "nomoto-wind"]
     found = shipid.find_model("bech-slipstream-wind")
-    assert {"wind_speed", "wind_direction"} <= set(found.inputs) and "w1" in found.parameters
+    assert {"wind_speed", "wind_direction"} <= set(found.inputs) and {"N_w", "N_w1", "F_w"} <= set(found.parameters)
 
 
 def test_an_order_without_feedback_has_a_lag_behind_it(sail):

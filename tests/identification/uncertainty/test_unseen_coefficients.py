@@ -86,10 +86,10 @@ def test_a_model_with_wind_on_a_log_without_it(method, calm):
     )
     assert fit.converged
     assert fit.parameters["a"].identifiable
-    for name in ("w1", "w2"):
-        # What the declaration states of it.
-        assert fit.parameters[name].value == pytest.approx(0.0, abs=1e-9)
-        assert fit.parameters[name].std == pytest.approx(0.004)
+    for name in ("N_w", "N_w1"):
+        # What the declaration states of it, in the prime system.
+        assert fit.parameters[name].value == pytest.approx(0.0, abs=1e-12)
+        assert fit.parameters[name].std == pytest.approx(0.01 / 320.0**2)
         assert not fit.parameters[name].identifiable
 
 

@@ -37,7 +37,7 @@ def test_a_trial_sailed_is_identified(pilot, tmp_path):
 def test_wind_on_a_ship_without_its_coefficients_says_what_to_state(pilot, tmp_path):
     bare = dataclasses.replace(pilot.ship, sections={k: v for k, v in pilot.ship.sections.items() if k != "wind"})
     own = dataclasses.replace(pilot, ships=(bare,))
-    words = r"needs N_w \[rad/m²\], F_w \[1/m²\], which ship soesterberg does not hold. State them, as in --set"
+    words = r"needs F_w \[1/m²\], N_w \[rad/m²\], which ship soesterberg does not hold. State them, as in --set"
     with pytest.raises(ParameterSetError, match=words):
         sail(own, "60 deg", duration=300, wind=("15 m/s", "135 deg"))
     (tmp_path / "plan.csv").write_text("x [m],y [m]\n0,0\n3000,0\n6000,2000\n", encoding="utf-8")

@@ -22,7 +22,7 @@ from shipid.prediction.situations.situation import Situation
 from shipid.prediction.situations.trial_situation import known_before
 
 SHIP = shipid.find_ship("esso-osaka-3m")
-COEFFICIENTS = {"a": 1.2, "b1": 0.6, "b3": 2.2, "gamma": 0.46, "w1": -0.002, "w2": -0.0015}
+COEFFICIENTS = {"a": 1.2, "b1": 0.6, "b3": 2.2, "gamma": 0.46, "N_w": -1.7e-4, "N_w1": -1.1e-4}
 #: A yaw acceleration that no wind explains, in rad/s^2: 4 degrees of rudder.
 PUSH = 1.2 * np.deg2rad(4.0) * (0.35 / 3.0) ** 2
 
@@ -30,7 +30,10 @@ PUSH = 1.2 * np.deg2rad(4.0) * (0.35 / 3.0) ** 2
 @pytest.fixture(scope="module")
 def fitted():
     """The ship as a fit of a model writes it: coefficients with their spread and correlation under that model's name."""
-    values = {n: Value(n, v, "1", "assumed", std=0.05 * abs(v)) for n, v in COEFFICIENTS.items()}
+    values = {
+        n: Value(n, v, "rad/m^2" if n.startswith("N_") else "1", "assumed", std=0.05 * abs(v))
+        for n, v in COEFFICIENTS.items()
+    }
     names = tuple(COEFFICIENTS)
     joint = Joint(names, tuple(tuple(map(float, row)) for row in np.eye(len(names))), (0.2, 0.5))
     return dataclasses.replace(

@@ -290,7 +290,7 @@ def test_the_wind_is_in_the_first_order_track_as_it_is_in_the_ships_own(pilot):
 def test_a_ship_without_coefficients_of_the_wind_is_told(pilot):
     ship = replace(pilot.ship, sections={n: s for n, s in pilot.ship.sections.items() if n != "wind"})
     known = {"psi": 0.0, "u": 9.5, "wind_speed": 15.0, "wind_direction": 2.0}
-    with pytest.raises(ParameterSetError, match="needs N_w"):
+    with pytest.raises(ParameterSetError, match="needs F_w"):
         shipid.predict_track(replace(pilot, ships=(ship,)), known, rudder=0.0, model="first-order")
 
 

@@ -304,7 +304,7 @@ def length(number: float) -> ParameterSet:
         ({"values": {"K_u": "1 s"}}, UnitError, "s does not fit it"),
         ({"values": {"r": "1 rad/s"}}, UsageError, "'r' is a state of model de-keizer, and takes no value"),
         ({"values": {"cruise": "1 m/s"}}, UsageError, "'cruise' is an input"),
-        ({"model": "nomoto", "ship": "mariner", "wind": (10.0, 0.0)}, ParameterSetError, r"needs N_w \[rad/m²\], F_w"),
+        ({"model": "nomoto", "ship": "mariner", "wind": (10.0, 0.0)}, ParameterSetError, r"needs F_w \[1/m²\], N_w"),
         ({"model": "pershitz-track", "ship": "semerdjiev"}, UsageError, "reads no rudder angle 'delta'"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "current": (1.0, 0.0)}, UsageError, "a current does not"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "wind": (1.0, 0.0)}, UsageError, "a wind does not act"),
