@@ -45,14 +45,14 @@ class RelativeWind(Component):
         return self.wind_speed * np.sin(self.wind_direction - self.psi) - self.v - drift
 
     def blowing(self, acceleration: Expression) -> Expression:
-        """Return what the wind does to the ship; none in a calm, where the hull's coefficients hold what the air does to her own motion.
+        """Return what the wind does to the ship; as published, the air that she moves through in a calm as well.
 
         Parameters
         ----------
         acceleration : Expression
             By the relative wind.
         """
-        return np.where(self.wind_speed > 0, acceleration, 0 * acceleration)
+        return acceleration
 
     @wind_relative.equals
     def relative_speed(self):
@@ -65,7 +65,24 @@ class RelativeWind(Component):
         return np.arctan2(self.wind_aside, self.wind_ahead)
 
 
-class WindPush(RelativeWind):
+class LoggedWind(RelativeWind):
+    """The wind of a log: none acts in a calm.
+
+    The hull's coefficients hold what the air does to her own motion; a log without a wind would not tell the two apart.
+    """
+
+    def blowing(self, acceleration: Expression) -> Expression:
+        """Return what the wind does to the ship; nothing in a calm.
+
+        Parameters
+        ----------
+        acceleration : Expression
+            By the relative wind.
+        """
+        return np.where(self.wind_speed > 0, acceleration, 0 * acceleration)
+
+
+class PushedByWind(RelativeWind):
     """The surge acceleration by the wind.
 
     The prior is wide: a model whose speed follows its turns within some ship lengths needs ten times the push of the real one to lose
@@ -95,7 +112,7 @@ class WindPush(RelativeWind):
         return self.blowing(self.F_w * self.L * self.wind_ahead * self.wind_relative)
 
 
-class Wind(WindPush):
+class Wind(PushedByWind):
     """The yaw and surge accelerations by the wind."""
 
     r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
@@ -137,7 +154,11 @@ class LateralWind(RelativeWind):
         return self.blowing(self.Y_w * self.L * self.wind_aside * self.wind_relative)
 
 
-class WindMoment(RelativeWind):
+class WindPush(LoggedWind, PushedByWind):
+    """The push of `Wind`, for a model whose log has the wind."""
+
+
+class WindMoment(LoggedWind):
     """The moment of `Wind`, and that of a lateral area before or abaft midships: for a model whose log has the wind.
 
     The prior is 0.01: a moment coefficient of 0.1 to 0.25, equal lateral areas above and below the water, the densities of air and
@@ -178,7 +199,7 @@ class WindMoment(RelativeWind):
         return self.blowing(2 * self.N_w * self.wind_ahead * self.wind_aside + levered) + self.r_residual
 
 
-class WindForces(WindPush, LateralWind):
+class WindForces(LoggedWind, PushedByWind, LateralWind):
     """Forward and sway acceleration by the wind, beside `WindMoment`, for a model that states both speeds by their rates.
 
     They push the ship along her track: in a slow turn as far as the water does. The priors are

@@ -161,10 +161,10 @@ def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
         with pytest.raises(DeclarationError) as error:
             join("whole", *order)
         text = str(error.value)
-        # What both state first: a coefficient of the moment, or of a force.
-        assert re.search(r"'[NF]_w' is stated twice: by ", text)
-        assert re.search(r"(CubicYawInWind|CrossFlowInWind|WindForces) \(parameter\)", text)
-        assert re.search(r"\bWind \(parameter\)", text)
+        # What both state first: the relative wind.
+        assert re.search(r"'wind_\w+' is stated twice: by ", text)
+        assert re.search(r"(CubicYawInWind|CrossFlowInWind|WindForces) \(derived, .*wind\.py:\d+\)", text)
+        assert re.search(r"\bWind \(derived, .*wind\.py:\d+\)", text)
 
 
 def test_every_model_is_told_from_the_others_by_one_line() -> None:

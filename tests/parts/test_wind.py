@@ -96,5 +96,5 @@ def test_what_simulates_a_wind_is_what_reads_it_from_a_log(name):
     at |= {"wind_speed": 9.0, "wind_direction": 2.1, "r_residual": 0.0, "N_w1": 0.0}
     one, other = ({n: float(v) for n, v in Evaluation(m, at).right_hand_sides("rate").items()} for m in (sailed, read))
     assert one == pytest.approx(other, rel=1e-12)
-    calm = Evaluation(sailed, at | {"wind_speed": 0.0})
+    calm = Evaluation(read, at | {"wind_speed": 0.0})
     assert float(calm["r_disturbance"]) == 0.0, "what the air does to her own motion is the hull's"
