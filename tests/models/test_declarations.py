@@ -161,8 +161,8 @@ def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
         with pytest.raises(DeclarationError) as error:
             join("whole", *order)
         text = str(error.value)
-        # What both state first: the relative wind.
-        assert re.search(r"'wind_\w+' is stated twice: by ", text)
+        # What both state first: the relative wind, or the push.
+        assert re.search(r"'(wind_\w+|u_disturbance)' is stated twice: by ", text)
         assert re.search(r"(CubicYawInWind|CrossFlowInWind|WindForces) \(derived, .*wind\.py:\d+\)", text)
         assert re.search(r"\bWind \(derived, .*wind\.py:\d+\)", text)
 

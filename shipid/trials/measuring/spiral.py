@@ -217,8 +217,8 @@ def _still(t: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Whether each sample stands at a level; nowhere where the record has none but one."""
     least = _SHORTEST * float(t[-1] - t[0])
     calm = series.smoothed(t, y, 0.3 * least)
-    slope: np.ndarray = np.gradient(calm, t)
-    return np.abs(slope) < _LEVEL * _span(y) / least
+    still: np.ndarray = np.abs(np.gradient(calm, t)) < _LEVEL * _span(y) / least
+    return still
 
 
 def _once(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
