@@ -148,9 +148,9 @@ class CrossFlow(SpeedScaled):
         return (balance + turn * self.way_left) / self.L + self.u_disturbance
 
 
-class CrossFlowInWind(WindMoment, CrossFlow):
-    """Sway, yaw and surge with cross-flow drag, turned and pushed by the wind of the log; joined with `WindForces`."""
+class CrossFlowInWind(CrossFlow):
+    """Sway, yaw and surge with cross-flow drag, turned and pushed by the wind of the log: joined with `WindMoment` and `WindForces`."""
 
 
 cross_flow = join("cross-flow", CrossFlow, PlanarMotion)
-cross_flow_wind = join("cross-flow-wind", CrossFlowInWind, WindForces, PlanarMotion)
+cross_flow_wind = join("cross-flow-wind", CrossFlowInWind, WindMoment, WindForces, PlanarMotion)

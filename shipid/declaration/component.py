@@ -109,6 +109,11 @@ def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None
             f"component {cls.__name__} states '{SAMPLING_INTERVAL}', which is the sampling interval: declare it as given('s', ...)."
         )
     equation = cls.__equations__.get(name)
+    if quantity.kind == "given" and equation is not None:
+        raise DeclarationError(
+            f"'{name}' of {cls.__name__} is given, and '{equation.name}' ({equation.place}) is its equation. Where it is inherited from two "
+            "components, join them instead."
+        )
     if quantity.kind == "state" and equation is None:
         raise DeclarationError(f"state '{name}' of {cls.__name__} has no equation: add a method under @{name}.rate.")
     if quantity.kind in COMPUTED and equation is None:

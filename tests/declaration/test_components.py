@@ -159,6 +159,21 @@ def _equation_of_constant() -> None:
             return 0.0
 
 
+def _state_hidden_by_another_base() -> None:
+    class Reads(Component):
+        x = given("m", "position")
+
+    class Moves(Component):
+        x = state("m", "position")
+
+        @x.rate
+        def move(self):
+            return 0.0
+
+    class Bad(Reads, Moves):
+        pass
+
+
 def _twice() -> None:
     class Bad(Component):
         x = state("m", "position")
@@ -198,6 +213,7 @@ def _no_meaning() -> None:
         (_missing_rate, r"state 'x' of Bad has no equation: add a method under @x\.rate"),
         (_missing_equals, r"derived 'v' of Bad has no equation: add a method under @v\.equals"),
         (_missing_output, r"output 'z' of Bad has no equation"),
+        (_state_hidden_by_another_base, r"'x' of Bad is given, and 'move' .* is its equation.* join them instead"),
         (_rate_of_derived, r"a derived takes @equals, and 'change' \(.*test_components\.py:\d+\) gives it @rate"),
         (_equation_of_constant, r"a constant takes no equation"),
         (_twice, r"Bad defines 'x' twice: in 'one' \(.*:\d+\) and in 'other' \(.*:\d+\)"),

@@ -161,9 +161,9 @@ def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
         with pytest.raises(DeclarationError) as error:
             join("whole", *order)
         text = str(error.value)
-        # What both state first: the relative wind, or the push.
-        assert re.search(r"'(wind_\w+|u_disturbance)' is stated twice: by ", text)
-        assert re.search(r"(CubicYawInWind|CrossFlowInWind|WindForces) \(derived, .*wind\.py:\d+\)", text)
+        # What both state first: the relative wind, a moment or a push.
+        assert re.search(r"'(wind_\w+|[ru]_disturbance)' is stated twice: by ", text)
+        assert re.search(r"(CubicYawInWind|WindMoment|WindForces) \(derived, .*wind\.py:\d+\)", text)
         assert re.search(r"\bWind \(derived, .*wind\.py:\d+\)", text)
 
 

@@ -90,6 +90,7 @@ def test_what_simulates_a_wind_is_what_reads_it_from_a_log(name):
     model = known_models()[name]
     pushed = (LateralWind,) if "v_disturbance" in model.inputs else ()
     sailed, read = shipid.join("sailed", model, *parts_in_wind(model, (9.0, 2.1)), *pushed), in_wind(model)
+    assert set(sailed.states) == set(read.states) and set(sailed.inputs) == set(read.inputs)
     rng = np.random.default_rng(1)
     names = {*sailed.states, *sailed.inputs, *sailed.parameters, *sailed.constants}
     at = {n: 0.3 + 0.5 * rng.random() for n in sorted(names)}
