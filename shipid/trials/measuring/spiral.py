@@ -17,6 +17,8 @@ from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.trial import Trial
 
+_FEWEST = 50
+"""Samples below which a record shows no stages."""
 _LEAST = 6
 """A spiral has this many stages at least."""
 _SHORTEST = 0.015
@@ -177,15 +179,16 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
 
 def _stages(trial: Trial, faults: Faults) -> tuple[str, list[_Stage]]:
     """The stages of a spiral, by the rudder or by the rate of turn; none where there is no spiral."""
-    rudder = steering_of(trial, "order", wrong=faults.wrong.get("delta")).channel
-    by_rudder = _held(*_once(rudder.t, rudder.y))
+    channel = steering_of(trial, "order", wrong=faults.wrong.get("delta")).channel
+    rudder = _once(channel.t, channel.y)
+    by_rudder = _held(*rudder)
     psi = channel_of(trial, "psi", faults.wrong.get("psi"))
     t, y = _once(psi.t, psi.y)
-    if len(t) >= 50:
+    if min(len(t), len(rudder[0])) >= _FEWEST:
         width = 0.3 * _SHORTEST * float(t[-1] - t[0])
         rate = series.smoothed(t, np.gradient(series.smoothed(t, y, width), t), width)
         # What is held is at its level first: the rudder in a direct spiral, the rate of turn in a reversed one.
-        if np.mean(_still(t, rate)) > np.mean(_still(*_once(rudder.t, rudder.y))):
+        if np.mean(_still(t, rate)) > np.mean(_still(*rudder)):
             by_rate = _held(t, rate)
             if _goes_through(by_rate):
                 return "reversed", by_rate
@@ -194,7 +197,7 @@ def _stages(trial: Trial, faults: Faults) -> tuple[str, list[_Stage]]:
 
 def _held(t: np.ndarray, y: np.ndarray) -> list[_Stage]:
     """Stretches at one level."""
-    if len(t) < 50:
+    if len(t) < _FEWEST:
         return []
     least = _SHORTEST * float(t[-1] - t[0])
     span = _span(y)
