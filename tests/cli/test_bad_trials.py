@@ -81,7 +81,7 @@ def test_file_that_is_not_there(refused, zigzag, fitted):
     missing = zigzag.with_name("zigzak.csv")
     refused(3, ["identify", missing, *fitted], "zigzak.csv", "Did you mean zigzag.csv?")
     refused(3, ["identify", zigzag, *fitted, "--validate", missing], "zigzak.csv")
-    refused(3, ["identify", zigzag.parent, *fitted], "is a folder")
+    refused(3, ["identify", zigzag, *fitted, "--validate", zigzag.parent], "is a folder")
 
 
 def test_wrong_separator(refused, changed, fitted):

@@ -52,7 +52,7 @@ def test_functions_equal_the_expressions(continuous: Any, plain: Any, rng: Any) 
 
 def differentiate(plain: Any, model: Any, point: dict[str, float], by: str, kinds: tuple[str, ...]) -> dict[str, float]:
     """Complex step, exact to rounding; five-point differences where an equation takes a size, a sign or an angle."""
-    whole = ("pershitz", "cross-flow", "mmg", "constant-velocity", "coordinated-", "turning-at")
+    whole = ("pershitz", "cross-flow", "cubic-wind", "mmg", "constant-velocity", "coordinated-", "turning-at")
     if not model.name.startswith(whole) or "track" in model.name:
         size = 1e-30
         sides = plain(model, point | {"T_s": T, by: point[by] + 1j * size}, *kinds)
