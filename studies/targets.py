@@ -21,7 +21,7 @@ before it is predicted here:
   measured wind); Esso Osaka's turns (that the wind pushes a model that states its sway and surge, and not only turns it, and that a
   turn is steady until the propeller stops; the priors of the two forces are
   from areas and force coefficients, set after a fit with other ones, about no effect, had been seen on the same turns; that the wind is
-  the relative one, from simulated ships, whose forces are larger: so the two priors became five times as wide, once with the
+  the relative one, from simulated ships, whose forces are larger: so the two priors became ten and five times as wide, once with the
   narrow ones six bands of the turns could not be drawn).
 - Tried on MARIN's circle and not taken: a rudder of which a fixed share stands in the slipstream, the flow straightened by hull and
   propeller, the normal force of the rudder in surge and by its cosine, w_0 as a coefficient. The best brought the tactical diameter from 8.2 to

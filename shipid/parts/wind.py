@@ -112,10 +112,11 @@ class PushedByWind(RelativeWind):
         return self.blowing(self.F_w * self.L * self.wind_ahead * self.wind_relative)
 
 
-class Wind(PushedByWind):
-    """The yaw and surge accelerations by the wind."""
+class TurnedByWind(RelativeWind):
+    """The yaw acceleration by the wind."""
 
     r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
+    L = constant("m", "length between perpendiculars")
     N_w = parameter(
         "rad/m^2",
         "yaw acceleration per relative wind speed squared",
@@ -131,6 +132,10 @@ class Wind(PushedByWind):
     def moment(self):
         """Passenier (1989), eq. (2.85) with (2.87): N_w' sin(2 gamma_r) V_wr^2; and what is none of the wind's."""
         return self.blowing(2 * self.N_w * self.wind_ahead * self.wind_aside) + self.r_residual
+
+
+class Wind(TurnedByWind, PushedByWind):
+    """The yaw and surge accelerations by the wind."""
 
 
 class LateralWind(RelativeWind):
@@ -158,15 +163,13 @@ class WindPush(LoggedWind, PushedByWind):
     """The push of `Wind`, for a model whose log has the wind."""
 
 
-class WindMoment(LoggedWind):
+class WindMoment(LoggedWind, TurnedByWind):
     """The moment of `Wind`, and that of a lateral area before or abaft midships: for a model whose log has the wind.
 
     The prior is 0.01: a moment coefficient of 0.1 to 0.25, equal lateral areas above and below the water, the densities of air and
     water, and a ship's moment of inertia.
     """
 
-    r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
-    L = constant("m", "length between perpendiculars")
     N_w = parameter(
         "rad/m^2",
         "yaw acceleration per relative wind speed squared, second harmonic of its angle",
@@ -190,9 +193,7 @@ class WindMoment(LoggedWind):
         latex="N_{w1}'",
     )
     same_at_any_loading = ("N_w", "N_w1")
-    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind and by what else acts", latex=r"\dot r_d")
 
-    @r_disturbance.equals
     def moment(self):
         """Passenier (1989), eq. (2.85) with (2.87), and a first harmonic, which (2.87) leaves out: N_w1' sin(gamma_r) V_wr^2."""
         levered = self.N_w1 * self.wind_aside * self.wind_relative
@@ -202,9 +203,10 @@ class WindMoment(LoggedWind):
 class WindForces(LoggedWind, PushedByWind, LateralWind):
     """Forward and sway acceleration by the wind, beside `WindMoment`, for a model that states both speeds by their rates.
 
-    They push the ship along her track: in a slow turn as far as the water does. The priors are
-    this project's own estimate: force coefficients of 0.7 ahead and 0.8 aside, above the water half the lateral area and as much frontal area
-    as below it, for a full hull, each as uncertain as it is large. A wind does not push a ship against itself, so neither is negative.
+    They push the ship along her track: in a slow turn as far as the water does. Force coefficients of 0.7 ahead and 0.8 aside, above the water
+    half the lateral area and as much frontal area as below it, give a full hull 0.0005 and 0.001. The priors, this project's own, begin at
+    twice as much and are ten and five times as wide as these, for ships with more windage. A wind does not push a ship against itself, so
+    neither is negative.
     """
 
     F_w = parameter(
