@@ -18,6 +18,8 @@ from scipy.fft import next_fast_len
 ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 16, 20, 25, 30)
 #: Smallest number of samples for each number of the autoregression.
 SAMPLES = 10
+#: How often an autoregression is corrected for the part of the noise that a fit absorbed.
+CORRECTIONS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +151,7 @@ def corrected(
     jacobian : ndarray, shape (signals, N, unknowns)
         Their derivatives.
     flat, cover : ndarray, shape (unknowns, unknowns)
-        Inverse of the information matrix of the search, and covariance of the unknowns.
+        Inverse of the information matrix of the search, and covariance of the unknowns under that noise alone.
 
     Returns
     -------

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shipid.foundation.statistics import LjungBox, ljung_box
-from shipid.identification.noise.autoregression import autoregression_of, corrected
+from shipid.identification.noise.autoregression import CORRECTIONS, Autoregression, autoregression_of, corrected
 
 #: Lags of the test, in samples.
 _LAGS = 20
@@ -53,18 +53,35 @@ def scatter_of(stretches: Sequence[Stretch], information: np.ndarray, inverse: n
     ndarray
         The information itself where every innovation is white.
     """
+    every = [_used(*series) for stretch in stretches for series in _series(*stretch)]
+    noises = [autoregression_of(e) for e, _, _ in every]
+    for _ in range(CORRECTIONS):
+        # What the fit absorbed of the noise, which is less than all that is known: part of that was known beforehand.
+        power = np.zeros_like(information)
+        for noise, (_, block, at) in zip(noises, every):
+            power[at] += _power(noise, block)
+        absorbed = inverse @ power @ inverse
+        noises = [
+            corrected(noise, e, block, inverse[at], absorbed[at]) if noise.order else noise
+            for noise, (e, block, at) in zip(noises, every)
+        ]
     scatter = information.copy()
-    for innovations, slopes in stretches:
-        for e, j in _series(innovations, slopes):
-            noise = autoregression_of(e)
-            if not noise.order:
-                continue
-            used = np.flatnonzero(np.abs(j).max(axis=(0, 1)) > 0)
-            block, at = j[:, :, used], np.ix_(used, used)
-            noise = corrected(noise, e, block, inverse[at], inverse[at])
-            shaped = noise.shaped(block)
-            scatter[at] += shaped.T @ shaped - np.einsum("snp,snq->pq", block, block)
+    for noise, (_, block, at) in zip(noises, every):
+        if noise.order:
+            scatter[at] += _power(noise, block) - np.einsum("snp,snq->pq", block, block)
     return scatter
+
+
+def _used(innovations: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+    """Innovations, their slopes by the unknowns that they depend on, and the place of those in a matrix of all."""
+    used = np.flatnonzero(np.abs(slopes).max(axis=(0, 1)) > 0)
+    return innovations, slopes[:, :, used], np.ix_(used, used)
+
+
+def _power(noise: Autoregression, slopes: np.ndarray) -> np.ndarray:
+    """Covariance of the gradient under a noise, shape (unknowns, unknowns)."""
+    shaped = noise.shaped(slopes)
+    return np.asarray(shaped.T @ shaped)
 
 
 def _series(innovations: np.ndarray, slopes: np.ndarray) -> list[Stretch]:

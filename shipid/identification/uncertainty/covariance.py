@@ -13,15 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.estimation.standing import AT_BOUND, UNKNOWN, Standing, standing_of
-from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
+from shipid.identification.noise.autoregression import CORRECTIONS, Autoregression, autoregression_of, corrected
 from shipid.identification.noise.filled_inputs import effects_of
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
 from shipid.identification.search.unseen import PART, UNSEEN
-
-#: How often the autoregression of the residuals is corrected for the part of the noise that the fit absorbed.
-_CORRECTIONS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,23 +188,26 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
     strength = 1.0 if problem.prior is None else problem.prior.strength
     added.append(np.sqrt(strength) * scaled[at:] @ half)
 
-    def covariance_under(noise: list[Autoregression]) -> np.ndarray:
-        # As the square of a root, which is never negative: half has columns of very different size where a direction is hardly seen.
-        shaped = [
+    def rows_under(noise: list[Autoregression]) -> list[np.ndarray]:
+        return [
             _in_fewer(model.shaped(g.jacobian), g.used.size < len(half)) @ half[g.used]
             for g, model in zip(groups, noise)
         ]
-        root = np.linalg.qr(np.vstack([*added, *shaped]), mode="r") @ half.T
+
+    def covariance_by(rows: list[np.ndarray]) -> np.ndarray:
+        # As the square of a root, which is never negative: half has columns of very different size where a direction is hardly seen.
+        root = np.linalg.qr(np.vstack(rows), mode="r") @ half.T
         return np.asarray(root.T @ root)
 
     noise = [autoregression_of(g.residual) for g in groups]
-    found = covariance_under(noise)
-    for _ in range(_CORRECTIONS):
+    for _ in range(CORRECTIONS):
+        # What the fit absorbed of the noise: what it may be off by for other reasons took nothing from the residuals.
+        absorbed = covariance_by(rows_under(noise))
         noise = [
-            corrected(model, g.residual, g.jacobian, flat[np.ix_(g.used, g.used)], found[np.ix_(g.used, g.used)])
+            corrected(model, g.residual, g.jacobian, flat[np.ix_(g.used, g.used)], absorbed[np.ix_(g.used, g.used)])
             for model, g in zip(noise, groups)
         ]
-        found = covariance_under(noise)
+    found = covariance_by([*added, *rows_under(noise)])
     shares = np.ones((len(problem.trials), signals))
     for g, model in zip(groups, noise):
         for k, signal in enumerate(g.signals):

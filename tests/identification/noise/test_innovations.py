@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 from shipid.identification.noise.innovations import scatter_of, whiteness
@@ -36,3 +37,23 @@ def test_slow_colour_counts_at_slow_slopes(holes):
     assert scatter[1, 1] / information[1, 1] == pytest.approx((1 + PHI) / (1 - PHI), rel=0.3)
     assert scatter[0, 0] / information[0, 0] > 4
     assert whiteness([(series, slopes)], 0).p_value < 1e-6
+
+
+def test_the_power_that_a_fit_took_up_is_put_back_once():
+    """A regression on slow waves, beside one that a belief holds as firmly as the record does."""
+    count, waves, phi = 400, 8, 0.9
+    t = np.arange(count) / count
+    slow = np.column_stack([np.cos(np.pi * k * t) for k in range(waves)])
+    slow /= np.linalg.norm(slow, axis=0)
+    beliefs = np.diag([0.0] * (waves - 1) + [1.0])
+    information = slow.T @ slow + beliefs
+    inverse = np.linalg.inv(information)
+    found = []
+    for seed in range(60):
+        drive = np.random.default_rng(seed).standard_normal(count + 200)
+        noise = lfilter([np.sqrt(1 - phi**2)], [1.0, -phi], drive)[200:]
+        innovations = noise - slow @ (inverse @ (slow.T @ noise))
+        found.append(scatter_of([(innovations[None], slow[None])], information, inverse))
+    true = slow.T @ toeplitz(phi ** np.arange(count)) @ slow + beliefs
+    # 60 spectra of 400 samples scatter by some 5 % in their mean.
+    assert np.diag(np.mean(found, axis=0)) == pytest.approx(np.diag(true), rel=0.09)

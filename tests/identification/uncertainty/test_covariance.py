@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 from scipy.stats import linregress, multivariate_normal, norm
 
@@ -114,6 +115,35 @@ def test_weights_three_times_too_small_make_nothing_surer(drift, drifting):
     assert found[1].matrix == pytest.approx(found[0].matrix, rel=1e-9)
     assert found[1].effective == pytest.approx(found[0].effective, rel=1e-9)
     assert found[1].effective[0, 0] < 0.5
+
+
+def test_a_belief_takes_no_noise_out_of_the_residuals(drift, drifting):
+    """A belief of some weight adds its own spread to the covariance, and leaves the part of the noise as it is."""
+    sigma, phi, count, strength = np.deg2rad(0.5), 0.9, 300, 100.0
+    trial, design = drifting(sigma, count, seed=8)
+    slopes = design / sigma
+    # As sure as the record, if each of its samples were independent.
+    beliefs = np.diag(np.linalg.norm(slopes, axis=0))
+    jacobian = np.vstack([slopes, beliefs])
+    flat = np.linalg.inv(jacobian.T @ jacobian)
+    problem = make_problem(
+        drift, [prepare(drift, trial, ("psi",), None)], ("psi",), ("gain", "swing"), {}, np.array([sigma]), ()
+    )
+    prior = Prior({}, {}, {}, {}, parameters={n: (0.0, 1.0) for n in ("gain", "swing")}, strength=strength)
+    problem = replace(problem, prior=prior)
+    q = problem.first_guess(np.array([0.05, 1e-4]))
+    found = []
+    for seed in range(40):
+        drive = np.random.default_rng(seed).standard_normal(count + 500)
+        noise = lfilter([np.sqrt(1 - phi**2)], [1.0, -phi], drive)[500:]
+        step = flat @ slopes.T @ noise
+        residual = np.concatenate([noise - slopes @ step, -beliefs @ step])
+        found.append(covariance_of(Solution(problem, q, residual, jacobian, True, "", 1)).matrix)
+    of_noise = slopes.T @ toeplitz(phi ** np.arange(count)) @ slopes
+    of_beliefs = strength * beliefs.T @ beliefs
+    by_noise = np.mean(found, axis=0) - flat @ of_beliefs @ flat
+    # 40 spectra of 300 samples scatter by some 5 % in their mean.
+    assert np.diag(by_noise) == pytest.approx(np.diag(flat @ of_noise @ flat), rel=0.15)
 
 
 def test_the_first_guess_of_a_state_is_a_regression_on_the_first_samples(drift, drifting):
