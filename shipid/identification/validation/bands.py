@@ -7,7 +7,7 @@ recorded rudder, and through the zig-zag as its helmsman would have steered that
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -24,11 +24,12 @@ from shipid.identification.uncertainty.draws import Draws, band_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
 from shipid.identification.validation.predictions import shown_outputs
-from shipid.identification.validation.runs import Runs, runs_of, simulator_of
+from shipid.identification.validation.runs import Run, Runs, runs_of, simulator_of
 from shipid.identification.validation.structure_error import StructureError, growth_of
 from shipid.identification.validation.trial_measures import measured_circle
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.results.zigzag import ZigZag
+from shipid.trials.measuring.turn import driven_until
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.trial import Trial
 
@@ -36,9 +37,9 @@ from shipid.trials.trial import Trial
 _ENOUGH = 3000
 #: L/U before the order from where a turn is predicted.
 _APPROACH = 1.0
+#: So many times as long as it was recorded a turn is sailed on by draws that turn more slowly.
+_LONGER = 3.0
 _Read = TypeVar("_Read")
-#: Initial state, coefficients and input biases of one run.
-_Run = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def manoeuvres_of(
@@ -109,20 +110,22 @@ def _from_the_order(identified: Identified, comparison: Comparison, circle: Turn
 
 
 def _over(
-    identified: Identified, runs: Runs, read: Callable[[dict[str, np.ndarray]], _Read]
-) -> tuple[_Read, list[_Read]]:
-    """Run the record for the prediction and each draw, and read each result from its columns."""
-    outputs, data = shown_outputs(identified.problem), runs.data
-    record = make_record(identified.model, outputs, guarded=True)
+    identified: Identified,
+    runs: Iterable[Run],
+    record: tuple[np.ndarray, np.ndarray],
+    read: Callable[[dict[str, np.ndarray]], _Read],
+) -> list[_Read]:
+    """Run a record, its inputs and intervals, for each run, and read each result from its columns."""
+    outputs = shown_outputs(identified.problem)
+    system = make_record(identified.model, outputs, guarded=True)
 
     def sailed(x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> np.ndarray:
-        y, _, margins = record.run(x0, data.inputs, data.intervals, p, bias)
+        y, _, margins = system.run(x0, *record, p, bias)
         # A run that leaves the range of the model has no numbers.
         return y if (margins >= 0).all() else np.full_like(y, np.nan)
 
     results = (sailed(*run) for run in runs)
-    point, *drawn = (read(dict(zip(outputs, y))) for y in results)
-    return point, drawn
+    return [read(dict(zip(outputs, y))) for y in results]
 
 
 def _with_swings(
@@ -142,7 +145,7 @@ def _with_swings(
             return (None,) * count
         return _filled(overshoots_of(trial["t"], run["psi"], executes, side=side), count)
 
-    point, drawn = _over(identified, runs, read)
+    point, *drawn = _over(identified, runs, (runs.data.inputs, runs.data.intervals), read)
     wide = (0.0, 0.0) if structure is None else tuple(structure.half_width(closed, growth) for closed in (False, True))
     found = replace(found, open_loop=point, band95=_bands(point, drawn, wide[0]))
     simulator = simulator_of(identified, runs.data, measured)
@@ -176,24 +179,49 @@ def _lost_speed(identified: Identified) -> float:
     return max((1.0 - low / high for low, high in (s for s in seen if s is not None) if high > 0), default=0.0)
 
 
+def _held_on(trial: Trial, measured: TurningCircle) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and times of a turn that goes on: a ship that turns more slowly is not through when the record ends.
+
+    What stands at the end of the turn, before the rudder is put back or the propeller stopped, is held for several times as long.
+    """
+    t, begin = trial["t"], measured.first_execute or 0.0
+    rudder = trial["delta" if trial.has("delta") else "delta_order"]
+    over = np.abs(rudder) >= 0.5 * abs(measured.rudder or 0.0)
+    last = int(np.flatnonzero(over & (t < driven_until(trial, begin)))[-1])
+    step = float(np.median(np.diff(t)))
+    more = int(_LONGER * (t[last] - begin) / step)
+    rows = np.concatenate([np.arange(last + 1), np.full(more, last)])
+    return rows, np.concatenate([t[: last + 1], t[last] + step * np.arange(1, more + 1)])
+
+
 def _circle(
     identified: Identified, runs: Runs, measured: TurningCircle, structure: StructureError | None, growth: float
 ) -> dict[str, PredictedQuantity]:
-    trial, model = runs.data.trial, identified.model
-    every = max(1, len(trial) // _ENOUGH)
-    kept = {n: trial[n][::every] for n in ("t", "delta", "delta_order") if trial.has(n)}
+    data, trial, model = runs.data, runs.data.trial, identified.model
     speed = "u" in model and is_predicted(model, "u")
 
-    def read(run: dict[str, np.ndarray]) -> dict[str, float | None]:
-        if not all(np.isfinite(column).all() for column in run.values()):
-            return {}
-        signals = {n: column[::every] for n, column in run.items() if n in FIELDS}
-        found = measured_circle(Trial(trial.name, pd.DataFrame({**kept, **signals})), None, measured.execute)
-        if found is None:
-            return {}
-        return {name: getattr(found, name) for name in TURN if speed or name != "steady_speed"}
+    def turned(runs: Iterable[Run], rows: np.ndarray, t: np.ndarray) -> list[dict[str, float | None]]:
+        every = max(1, len(trial) // _ENOUGH)
+        kept = {n: trial[n][rows][::every] for n in ("delta", "delta_order") if trial.has(n)}
 
-    point, drawn = _over(identified, runs, read)
+        def read(run: dict[str, np.ndarray]) -> dict[str, float | None]:
+            if not all(np.isfinite(column).all() for column in run.values()):
+                return {}
+            signals = {n: column[::every] for n, column in run.items() if n in FIELDS}
+            columns = {"t": t[::every], **kept, **signals}
+            found = measured_circle(Trial(trial.name, pd.DataFrame(columns)), None, measured.execute)
+            if found is None:
+                return {}
+            return {name: getattr(found, name) for name in TURN if speed or name != "steady_speed"}
+
+        return _over(identified, runs, (data.inputs[:, rows], np.diff(t, append=t[-1])), read)
+
+    point, *drawn = turned(runs, np.arange(len(trial)), trial["t"])
+    slow = [k for k, d in enumerate(drawn) if any(d.get(n) is None for n, v in point.items() if v is not None)]
+    if slow:
+        longer = turned([runs.drawn[k] for k in slow], *_held_on(trial, measured))
+        for k, found in zip(slow, longer):
+            drawn[k] = {n: found.get(n) if (own := drawn[k].get(n)) is None else own for n in TURN}
     # A model that is told the speed turns at that of the approach: the ship loses some in a circle, and her path is shorter.
     lost = 0.0 if speed else _lost_speed(identified)
     result = {}

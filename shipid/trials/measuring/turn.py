@@ -114,7 +114,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             "Widen the window to hold a stretch before the rudder moves."
         )
     side, when = plate.side, start[0].time
-    off = min(_released(steering, plate), _driven(trial, when))
+    off = min(_released(steering, plate), driven_until(trial, when))
     calm = max(5 * psi.interval, 0.01 * (off - when))
     psi = psi.bridged(_BRIDGED * (off - when) * pi / 2 / max(_turned(psi, when, off), pi / 2))
     reasons: dict[str, str] = {}
@@ -307,10 +307,17 @@ def _released(steering: Steering, plate: Plate) -> float:
     return float(steering.channel.t[int(on[-1])])
 
 
-def _driven(trial: Trial, when: float) -> float:
-    """When the propeller no longer drives the ship as at the execute, infinite where the log does not show it [s].
+def driven_until(trial: Trial, when: float) -> float:
+    """Return when the propeller no longer drives the ship as at the execute, infinite where the log does not show it [s].
 
     A record is often stopped by the propeller first, with the rudder still over: what the ship does then is no steady turn.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    when : float
+        The execute [s].
     """
     if not trial.has("n"):
         return float("inf")

@@ -58,6 +58,18 @@ def test_a_turn_is_predicted_from_its_order_however_long_the_approach(fit, sail)
         assert found["held"].turn[name].predicted == pytest.approx(found["turn"].turn[name].predicted, rel=0.01)
 
 
+def test_a_ship_that_turns_more_slowly_than_the_record_lasts_is_in_the_band(fit, sail):
+    """Of the ships that the trials allow half are not through 180 deg where the record ends."""
+    trial = sail("de-keizer", "soesterberg", "turn:20", noise="none", name="whole")
+    through = float(np.interp(np.pi, np.abs(trial["psi"]), trial["t"]))
+    short = replace(trial.window(None, through + 1.0), name="short")
+    found = shipid.assess(fit.validate([trial, short]), findings=False).assessment.manoeuvres
+    for name in ("advance", "transfer", "tactical_diameter"):
+        whole, cut = found["whole"].turn[name], found["short"].turn[name]
+        assert cut.predicted == pytest.approx(whole.predicted, rel=0.01)
+        assert cut.band95 == pytest.approx(whole.band95, rel=0.01)
+
+
 def test_the_prediction_in_the_band_is_the_one_of_the_fit(fit):
     for c in (*fit.fitted, *fit.validation):
         assert fit.assessment.manoeuvres[c.trial.name].open_loop == pytest.approx(c.predicted_overshoots, abs=1e-9)
