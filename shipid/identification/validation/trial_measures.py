@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -129,6 +129,17 @@ def measured_circle(
     try:
         sound = Diagnosis(trial.name) if diagnosis is None else diagnosis
         found = measure(trial, TurningCircle.kind, execute=execute, length=length, diagnosis=sound)
+        if diagnosis is None and isinstance(found, TurningCircle) and found.course is None:
+            # No helmsman keeps a model on her course: the one she turns from is her heading at the order.
+            kept = _on_course(trial, found.first_execute)
+            found = measure(kept, TurningCircle.kind, execute=execute, length=length, diagnosis=sound)
     except ShipidError:
         return None
     return found if isinstance(found, TurningCircle) else None
+
+
+def _on_course(trial: Trial, order: float | None) -> Trial:
+    """The trial with the heading at the order also before it."""
+    t, psi = trial["t"], trial["psi"]
+    at = -np.inf if order is None else order
+    return replace(trial, table=trial.table.assign(psi=np.where(t < at, np.interp(at, t, psi), psi)))

@@ -13,7 +13,9 @@ import shipid
 from shipid.identification.uncertainty.draws import band_of, draws_of
 from shipid.identification.validation.bands import manoeuvres_of
 from shipid.identification.validation.closed_loop import helmsman_of
+from shipid.identification.validation.trial_measures import measured_circle
 from shipid.report.write_report import render
+from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.measuring.measure import measure
 
 KEYS = ("advance", "transfer", "tactical_diameter", "steady_rate", "steady_speed")
@@ -178,3 +180,20 @@ def test_a_prediction_on_the_floor_of_the_model_has_no_numbers(sail):
         assert plain[hard.name][key]["predicted"] is plain[hard.name][key]["interval_95"] is None
         assert plain[hard.name][key]["measured"] is not None
     assert f"The prediction of {hard.name} is {compared.departure}." in render(fit).replace("&#39;", "'")
+
+
+def test_a_model_turns_from_her_heading_at_the_order(sail):
+    """Of a log in which the ship turned at the order no course is known; a model has no helmsman who would have kept one."""
+    trial = sail("de-keizer", "soesterberg", "turn:20", noise="none", name="turn")
+    t = np.arange(100) * trial.sampling
+    ahead = trial.table.iloc[[0] * t.size].assign(t=t)
+    whole = trial.table.assign(t=trial["t"] + t[-1] + trial.sampling)
+    straight = replace(trial, table=pd.concat([ahead, whole], ignore_index=True))
+    order = measured_circle(straight, None).first_execute
+    swinging = np.where(straight["t"] < order, np.radians(0.6) * (straight["t"] - order), straight["psi"])
+    turning = replace(straight, table=straight.table.assign(psi=swinging))
+    read = measured_circle(turning, None, diagnosis=Diagnosis("turn"))
+    assert read.advance is None and "no course" in read.reasons["advance"]
+    sailed, true = measured_circle(turning, None), measured_circle(straight, None)
+    for name in ("advance", "transfer", "tactical_diameter"):
+        assert getattr(sailed, name) == pytest.approx(getattr(true, name), rel=0.01)
