@@ -231,6 +231,8 @@ def method_words(rung: Rung, solution: Solution, noise_given: bool) -> str:
         words = [f"{method} on {signals}", "exact sensitivities", weights]
         if problem.prior is not None and problem.prior.biases and len(problem.trials) > 1:
             words.append("rudder biases as random effects")
+    elif solution.whitened:
+        words = [f"{method} on {signals}", "exact sensitivities", "residuals whitened by their autoregression"]
     else:
         words = [method, f"initial states and biases by output error on {signals}"]
     return ", ".join([*words, *([f"{problem.loss} loss"] if problem.loss != "linear" else [])])

@@ -29,6 +29,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.loading import with_load_part
 from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
 from shipid.identification.noise.coefficients_apart import coefficients_apart
+from shipid.identification.noise.whitened import WHITENED, whitened
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.dead_time import with_dead_time
 from shipid.identification.problem.first_weights import first_weights, given_weights
@@ -49,7 +50,7 @@ from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.trials.doctor.autopilot_steers import autopilot_steers, course_is_kept
+from shipid.trials.doctor.autopilot_steers import autopilot_steers, course_is_kept, rudder_answers
 from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.logs.reading import Trials, trials_of
 from shipid.trials.trial import Trial
@@ -132,9 +133,7 @@ def identify(
     trials, validate = _named_apart(trials_of(trials), trials_of(validate))
     if not trials:
         raise UsageError("identify needs at least one trial.")
-    # Under an autopilot the rudder answers the noise, and output error is biased.
-    unasked = purpose == "filter" and method is None and not any(autopilot_steers(t) is not None for t in trials)
-    if purpose == "filter" and method is None:
+    if unasked := purpose == "filter" and method is None:
         method = PURPOSES["filter"]
     if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
         raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
@@ -167,6 +166,8 @@ def identify(
         check_answer(trial, shown)
     check_length(setting, trials)
     own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time
+    # Under an autopilot the rudder answers the noise, and output error is biased.
+    answers = (free or unasked) and any(rudder_answers(t, unit_time) for t in trials)
     # Holes in what drives the model split a trial; each stretch is a trial of its own from here on.
     pairs, predicted = (
         [(s, t) for t in group for s in with_whole_inputs(setting.model, t, shown, unit_time)]
@@ -195,9 +196,11 @@ def identify(
         records = len({id(t) for _, t in pairs})
         found = searched(problem, search_box(setting), method, how, records)
         if (unasked or steered) and found.solution.levels is not None and found.solution.levels.lasting is not None:
-            found = _by_lasting_sensors(problem, search_box(setting), how, records, found, steered)
-        elif unasked:
+            found = _by_lasting_sensors(problem, search_box(setting), how, records, found, answers, unasked)
+        elif unasked and not answers:
             found = _beside_simulation(problem, search_box(setting), how, records, found)
+        elif free and answers and not steered:
+            found = _whitened(found)
         if steered:
             found = replace(found, rungs=_for_autopilots(found.rungs, steered))
         fit = _result(setting, found, [t for _, t in pairs], noise is not None, load_part)
@@ -235,25 +238,35 @@ def _by_another_method(problem: Problem, box: Box, method: Method | None, how: S
     return _Found(*climb(problem, box, method, how), box)
 
 
-def _by_lasting_sensors(
-    problem: Problem, box: Box, how: SearchSettings, records: int, before: _Found, steered: Sequence[str]
-) -> _Found:
-    """Output error with the noise levels of a filter at its coefficients, where what the sensors show lasts and moves no ship.
+def _whitened(found: _Found) -> _Found:
+    """The same from whitened residuals, where they have a colour and the search leads somewhere."""
+    solution = whitened(found.solution) if found.solution.converged else None
+    why = f"The rudder follows the heading, and noise that lasts with it, which biases output error: {WHITENED}."
+    rungs = tuple(replace(r, reason=f"{why} {r.reason}") if r.used else r for r in found.rungs)
+    return found if solution is None else replace(found, solution=solution, rungs=rungs)
 
-    An autopilot answers it with the rudder, which biases output error a little; prediction error, that takes it for a force on the
-    ship, it leaves without a gain. No filter is asked for there.
+
+def _by_lasting_sensors(
+    problem: Problem, box: Box, how: SearchSettings, records: int, before: _Found, answers: bool, filtered: bool
+) -> _Found:
+    """Output error, for a filter with noise levels at its coefficients, where what the sensors show lasts and moves no ship.
+
+    An autopilot answers it with the rudder, which biases output error, and leaves prediction error, that takes it for a force on the
+    ship, without a gain: there the residuals are whitened.
     """
     found = _by_residuals(problem, box, None, how, records)
     levels, solution = before.solution.levels, found.solution
     assert levels is not None and levels.lasting is not None, "both descriptions of the record were compared"
     if not solution.converged:
         return before
-    seen = replace(problem, sigma=residual_levels(solution))
-    at = None
     words = levels.lasting.words
-    if steered:
-        words += ". The rudder follows it, and where that is slow beside the ship output error is biased as well"
-    else:
+    if answers:
+        better = whitened(solution)
+        words += ". The rudder answers it, which biases output error" + (f": {WHITENED}" if better else "")
+        solution = better or solution
+    at = None
+    if filtered:
+        seen = replace(problem, sigma=residual_levels(solution))
         at = replace(levels_at(seen, solution.parameters, how.unit_time, how.tell), lasting=levels.lasting)
     rungs = [replace(r, used=False) if r.method == "prediction-error" else r for r in before.rungs]
     used = [replace(r, reason=f"{words[0].upper()}{words[1:]}. {r.reason}") for r in found.rungs if r.used]
@@ -261,7 +274,7 @@ def _by_lasting_sensors(
 
 
 def _beside_simulation(problem: Problem, box: Box, how: SearchSettings, records: int, found: _Found) -> _Found:
-    """The same, with what output error finds elsewhere: an autopilot, which biases that, steers no trial here."""
+    """The same, with what output error finds elsewhere: no rudder answers the noise here, which would bias that."""
     if found.solution.levels is None or not found.solution.converged:
         return found
     other = _by_residuals(problem, box, None, how, records).solution
@@ -307,7 +320,8 @@ def _result(
 ) -> Fit:
     solution, rungs, box = found.solution, found.rungs, found.box
     problem, covariance = solution.problem, covariance_of(solution)
-    noise = problem.sigma if noise_given or solution.covariance is not None else residual_levels(solution)
+    by_residuals = solution.covariance is None or solution.whitened
+    noise = residual_levels(solution) if by_residuals and not noise_given else problem.sigma
     shared = len(problem.estimated)
     unseen = [n for n, v in zip(problem.estimated, np.diag(covariance.matrix)) if np.isinf(v)]
     # About these the trials say nothing: they keep what is known of them beforehand.

@@ -107,5 +107,28 @@ def test_waves_that_the_rudder_follows_leave_the_truth_within_a_tenth() -> None:
     assert fit.identified.method == "output-error"
     assert fit.parameters["K"].value == pytest.approx(0.0672566, rel=0.1)
     assert fit.parameters["tau"].value == pytest.approx(40.4421, rel=0.1)
-    assert "Noise of the sensors that lasts, such as waves" in fit.text() and "The rudder follows it" in fit.text()
+    assert "Noise of the sensors that lasts, such as waves" in fit.text() and "The rudder answers it" in fit.text()
+    assert fit.identified.solution.whitened and "whitened by their autoregression" in fit.method
     assert "closed-loop" in _serious(fit)
+
+
+@pytest.mark.parametrize("purpose", [None, "filter"])
+def test_a_rudder_that_answers_heavy_waves_leaves_no_bias(purpose) -> None:
+    """Output error by name finds half of the time constant: the noise that the rudder answered counts as her answer to the rudder."""
+    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
+    orders = [(f"{30 + 140 * k} s", "20 deg" if k % 2 == 0 else "0 deg") for k in range(6)]
+    trial = shipid.sail(
+        pilot, orders, waves="1 deg from 40 deg", noise="psi=0.2 deg,r=0.05 deg/s", duration="900 s", sampling="1 s", seed=3
+    )
+    plain = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, method="output-error")
+    fit = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, purpose=purpose)
+    assert fit.identified.solution.whitened
+    for name, truth in (("K", 0.5), ("tau", 31.0)):
+        assert abs(fit.parameters[name].value - truth) < 2 * fit.parameters[name].std
+    assert plain.parameters["tau"].value < 31.0 - 4 * plain.parameters["tau"].std
+
+
+def test_a_zigzag_in_waves_is_not_whitened() -> None:
+    """Her helmsman waits for the heading; what he does between is no answer to noise."""
+    trial = shipid.simulate("nomoto", "zeefakkel", "zigzag:20/20", waves="1 deg from 40 deg", noise="standard", seed=1)
+    assert not shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1).identified.solution.whitened

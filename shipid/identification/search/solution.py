@@ -58,6 +58,8 @@ class Solution:
     others : tuple of SolutionAtSpread
         Solutions at other spreads of the biases, where their spread is estimated: the covariance is the mean over them
         (`shipid.identification.evidence.marginal_likelihood`). Their probabilities sum to 1.
+    whitened : bool
+        Whether the unknowns minimise what an autoregression leaves of the residuals (`shipid.identification.noise.whitened`).
     """
 
     problem: Problem
@@ -70,6 +72,7 @@ class Solution:
     covariance: np.ndarray | None = None
     levels: NoiseLevels | None = None
     others: tuple[SolutionAtSpread, ...] = ()
+    whitened: bool = False
 
     @property
     def finite(self) -> bool:

@@ -11,10 +11,14 @@ from shipid.trials.doctor.examinations.motion.heading import examine_wrap
 from shipid.trials.doctor.examinations.record.missing import examine_missing
 from shipid.trials.doctor.examinations.steering.closed_loop import examine_closed_loop
 from shipid.trials.doctor.examinations.steering.rudder import examine_movement
-from shipid.trials.doctor.findings import SURE, Finding
+from shipid.trials.doctor.findings import LEAST, SURE, Finding
 from shipid.trials.doctor.guesses import from_trial
 from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.signals.plates import plates
 from shipid.trials.trial import Trial
+
+#: So often the rudder is put over in no zig-zag or turn within so short a time.
+_MANY = 20
 
 
 def autopilot_steers(trial: Trial) -> Finding | None:
@@ -30,7 +34,28 @@ def autopilot_steers(trial: Trial) -> Finding | None:
     Finding or None
         None where the orders are steps, as of a zig-zag or a turn, or the rudder explains nearly all of the turning.
     """
-    return next((f for f in _steering(trial) if f.kind == "closed-loop" and f.spoils), None)
+    return next((f for f in _steering(trial) if f.kind == "closed-loop" and f.spoils and f.confidence >= SURE), None)
+
+
+def rudder_answers(trial: Trial, unit_time: float) -> bool:
+    """Return whether the rudder of a trial answers what the sensors show, noise included, as that of no zig-zag or turn does.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    unit_time : float
+        L/U in s.
+
+    Returns
+    -------
+    bool
+        Whether it follows the heading more likely than not, or is put over to and fro faster than the ship can answer.
+    """
+    if any(f.kind == "closed-loop" and f.confidence >= LEAST for f in _steering(trial)):
+        return True
+    held = [trial["t"][p.last - 1] - trial["t"][p.first] for p in plates(trial["delta"])] if trial.has("delta") else []
+    return len(held) >= _MANY and float(np.median(held)) < unit_time
 
 
 def course_is_kept(trial: Trial) -> bool:
@@ -41,12 +66,12 @@ def course_is_kept(trial: Trial) -> bool:
     trial : Trial
         The trial.
     """
-    return any(f.kind == "course-keeping" for f in _steering(trial))
+    return any(f.kind == "course-keeping" and f.confidence >= SURE for f in _steering(trial))
 
 
 @functools.lru_cache(maxsize=128)
 def _steering(trial: Trial) -> tuple[Finding, ...]:
-    """What the doctor is sure of in how a trial is steered."""
+    """What the doctor finds in how a trial is steered."""
     copy = WorkingCopy(from_trial(trial).record)
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a fit through too few samples says so in its result
@@ -57,4 +82,4 @@ def _steering(trial: Trial) -> tuple[Finding, ...]:
                 examination(copy)
             except np.linalg.LinAlgError:
                 return ()
-    return tuple(f for f in copy.findings if f.confidence >= SURE)
+    return tuple(copy.findings)

@@ -105,6 +105,19 @@ def test_of_signals_that_drive_each_other_everything_is_put_back():
     assert found.drive == pytest.approx(DRIVE, abs=0.03)
 
 
+def test_what_is_new_in_each_sample_is_white():
+    """And of derivatives the same combination is taken."""
+    colour, rng = Autoregression(COUPLED, DRIVE), np.random.default_rng(3)
+    drive = np.linalg.cholesky(DRIVE) @ rng.standard_normal((2, 4000))
+    series = drive.copy()
+    for t in range(colour.order, 4000):
+        series[:, t] += sum(a @ series[:, t - k] for k, a in enumerate(COUPLED, start=1))
+    new = colour.whitened(series)
+    assert new == pytest.approx(np.linalg.solve(np.linalg.cholesky(DRIVE), drive[:, colour.order :]))
+    both = colour.whitened(np.stack([series, 2 * series], axis=2))
+    assert both[:, :, 1] == pytest.approx(2 * new)
+
+
 def test_what_a_fit_took_up_is_put_back():
     """A regression on slow waves takes the slow noise: the power at low frequencies is right after the correction."""
     phi, count = 0.9, 400

@@ -21,6 +21,8 @@ _CHANGED = np.deg2rad(10)
 """A heading that moves by more than this, and does not come back, was ordered to: the same law explains nearly all of one long change."""
 _AT_LIMIT, _SELDOM = 0.97, 0.25
 """A rudder at this share of its largest angle may stand at its limit; a zig-zag does so for more of the time than this share."""
+_REMEMBERS = 3
+"""A filter has forgotten all but a twentieth of what was so many of its time constants ago."""
 
 _WIDTHS = (3, 6, 12, 24)
 """Time constants of the filter in samples."""
@@ -113,7 +115,7 @@ def _free(signals: Signals, constant: float) -> np.ndarray:
     stands = size > _AT_LIMIT * float(size.max())
     if stands.mean() > _SELDOM:
         return np.ones(size.shape, dtype=bool)
-    memory = np.ones(int(6 * constant / signals.step) + 1)
+    memory = np.ones(int(_REMEMBERS * constant / signals.step) + 1)
     after: np.ndarray = np.convolve(stands, memory)[: size.size] < 0.5
     return after
 
