@@ -118,7 +118,13 @@ def test_a_rudder_that_answers_heavy_waves_leaves_no_bias(purpose) -> None:
     pilot = shipid.design_autopilot("nomoto", "zeefakkel")
     orders = [(f"{30 + 140 * k} s", "20 deg" if k % 2 == 0 else "0 deg") for k in range(6)]
     trial = shipid.sail(
-        pilot, orders, waves="1 deg from 40 deg", noise="psi=0.2 deg,r=0.05 deg/s", duration="900 s", sampling="1 s", seed=3
+        pilot,
+        orders,
+        waves="1 deg from 40 deg",
+        noise="psi=0.2 deg,r=0.05 deg/s",
+        duration="900 s",
+        sampling="1 s",
+        seed=3,
     )
     plain = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, method="output-error")
     fit = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, purpose=purpose)
