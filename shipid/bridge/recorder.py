@@ -73,7 +73,7 @@ class Recorder:
         cells = [f"{t:.3f}"]
         for name in COLUMNS:
             value = values.get(name, math.nan)
-            cells.append(f"{to_display(value, name, FIELDS[name].unit):.9g}" if math.isfinite(value) else "")
+            cells.append(f"{to_display(value, name, FIELDS[name].unit):z.9g}" if math.isfinite(value) else "")
         try:
             # One write a row: the system has it, whatever becomes of this process.
             row = (",".join(cells) + "\n").encode()
