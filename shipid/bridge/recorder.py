@@ -14,7 +14,10 @@ from shipid.foundation.errors import MissingFileError
 from shipid.trials.columns import header
 
 #: The columns of a recording; what is not measured stays empty.
-COLUMNS = ("psi", "r", "u", "v", "delta", "delta_order", "x", "y", "SOG", "COG", "wind_speed", "wind_direction")
+COLUMNS = (
+    "psi", "r", "u", "v", "delta", "delta_order", "x", "y", "SOG", "COG", "wind_speed", "wind_direction", "wind_speed_relative",
+    "wind_direction_relative",
+)  # fmt: skip
 
 
 class Recorder:
