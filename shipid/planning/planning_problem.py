@@ -14,6 +14,7 @@ from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.generation.system import generate
 from shipid.identification.problem.setting import estimated_parameters, time_constant
 from shipid.identification.problem.signals import unknown_biases, usual_signals
@@ -201,7 +202,7 @@ def planning_problem(
         raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '9 kn'.")
     if seconds > _MOST * length / first:
         raise UsageError(
-            f"{time} is more than {_MOST:.0f} times the {length / first:.3g} s in which ship {ship.name} sails her length: "
+            f"{time} is more than {_MOST:.0f} times the {brief(length / first, 3)} s in which ship {ship.name} sails her length: "
             "plan a part of it."
         )
     held = {n: to_si(v, model[n].given_unit, f"'{n}' ({model[n].quantity.meaning})") for n, v in values.items()}

@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.routes.route import Route
@@ -210,7 +211,7 @@ def not_followed(lengths: np.ndarray, route: Route, to: np.ndarray) -> list[Noti
         return []
     return [
         Notice(
-            f"the ship is up to {most:.2g} ship lengths off the track, on the way to {route.called(int(to[worst]))}: the turns of the route "
+            f"the ship is up to {brief(most, 2)} ship lengths off the track, on the way to {route.called(int(to[worst]))}: the turns of the route "
             "are tighter, or closer together, than she sails them here.",
             "route-not-followed",
             serious=True,

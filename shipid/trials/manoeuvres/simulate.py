@@ -16,6 +16,7 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.numbers import brief
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.held_inputs import hold_inputs
@@ -160,7 +161,7 @@ def simulate(
     fine = steps_of_helm(interval, unit_time)
     if planned.duration / interval * fine > _MOST_STEPS:
         raise UsageError(
-            f"{manoeuvre} for {planned.duration:.3g} s at {interval:.3g} s takes more than {_MOST_STEPS:.0e} steps. "
+            f"{manoeuvre} for {brief(planned.duration, 3)} s at {brief(interval, 3)} s takes more than {_MOST_STEPS:.0e} steps. "
             "Ask for a shorter duration."
         )
     count = round(planned.duration / interval) + 1
@@ -190,7 +191,7 @@ def simulate(
         if run.departure.time == 0:
             remedy = "No manoeuvre is within its range so: state another value of the ship, another speed or input, or take another model."
         raise NotSailedError(
-            f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
+            f"{manoeuvre} of ship {ship.name} at {brief(u0, 3)} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
             f"{run.departure.time:.4g} s after the start. {remedy}"
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
