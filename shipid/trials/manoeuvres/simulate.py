@@ -143,7 +143,7 @@ def simulate(
     seconds = None if duration is None else number(duration, "s", "the duration")
     if seconds is not None and not 0 < seconds < np.inf:
         raise UsageError(f"a manoeuvre of {seconds:g} s is none: give a duration greater than zero.")
-    planned = plan(manoeuvre, unit_time, course, limit, seed, seconds)
+    planned = plan(manoeuvre, unit_time, course, limit, seed, seconds, ship.particular("delta_rate", "rad/s"))
     interval = usual_interval_of(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
     if not 0 < interval < planned.duration:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")

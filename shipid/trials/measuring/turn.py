@@ -8,6 +8,7 @@ from math import pi
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import brief
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.current import drift_of, still_water
@@ -142,7 +143,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             )
             quarters[k - 1] = None
     moving = speed_channel(trial, faults.wrong)
-    found: dict[str, float | None] = {}
+    found: dict[str, Plain] = {}
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
     late, beside = turn_setting_out(steering, side, when), {}

@@ -262,7 +262,7 @@ def carried_over(order: tuple[int, int, int], turn: np.ndarray, mu: np.ndarray, 
     found = np.empty_like(mu)
     found[:, upper], found[:, lower] = shares
     found[:, middle] = np.maximum(1.0 - shares.sum(axis=0), _LEAST)
-    return found / found.sum(axis=1, keepdims=True)
+    return np.asarray(found / found.sum(axis=1, keepdims=True))
 
 
 def first_spread(R: np.ndarray, delay: np.ndarray, speed: float) -> np.ndarray:
