@@ -20,7 +20,7 @@ from shipid.identification.problem.setting import estimated_parameters, time_con
 from shipid.identification.problem.signals import unknown_biases, usual_signals
 from shipid.identification.uncertainty.information import CandidateManoeuvre, Experiment
 from shipid.parameters.draws import normal_draws
-from shipid.parameters.parameter_set import ParameterSet, Value, missing_values
+from shipid.parameters.parameter_set import ParameterSet, Value, lacks_speed, missing_values
 from shipid.parameters.validity import beyond
 from shipid.parts.rudder_delay import steering_machine_of
 from shipid.trials.manoeuvres.noise import parse_noise
@@ -199,7 +199,7 @@ def planning_problem(
     own = [_si(s, "m/s", "the speed") for s in _listed(speed)]
     first = own[0] if own else ship.particular("speed", "m/s")
     if first is None:
-        raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '9 kn'.")
+        raise lacks_speed(ship, "--speed '9 kn'")
     if seconds > _MOST * length / first:
         raise UsageError(
             f"{time} is more than {_MOST:.0f} times the {brief(length / first, 3)} s in which ship {ship.name} sails her length: "

@@ -14,13 +14,13 @@ from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
+from shipid.foundation.errors import ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.numbers import brief
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.held_inputs import hold_inputs
-from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.parameter_set import ParameterSet, lacks_length, lacks_speed, missing_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
@@ -223,7 +223,7 @@ def _speed(ship: ParameterSet, speed: str | float | None) -> float:
     own = ship.particular("speed", "m/s")
     u0 = own if speed is None else number(speed, "m/s", "the speed")
     if u0 is None:
-        raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '9 kn'.")
+        raise lacks_speed(ship, "--speed '9 kn'")
     if not u0 > 0:
         raise UsageError(f"a speed of {u0:g} m/s does not steer a ship: give one greater than zero.")
     return u0
@@ -232,9 +232,7 @@ def _speed(ship: ParameterSet, speed: str | float | None) -> float:
 def _length(ship: ParameterSet) -> float:
     length = ship.particular("L", "m")
     if length is None or length <= 0:
-        raise ParameterSetError(
-            f"ship {ship.name} has no length L greater than zero, which sets the pace of a manoeuvre."
-        )
+        raise lacks_length(ship, "which sets the pace of a manoeuvre")
     return length
 
 

@@ -388,3 +388,10 @@ def test_an_engine_is_recorded_where_a_sensor_shows_it() -> None:
     assert not simulate(model, "zeefakkel", "zigzag:20/20", noise="standard", **asked).has("n")
     shown = simulate(model, "zeefakkel", "zigzag:20/20", noise="psi=0.2 deg,n=0.5 rpm", **asked)
     assert np.std(shown["n"] - bare["n"]) == pytest.approx(0.5 / 60, rel=0.2)
+
+
+def test_no_ship_is_told_as_such() -> None:
+    for more in ({}, {"speed": "9 kn"}):
+        with pytest.raises(ParameterSetError, match=r"ship=.soesterberg. in Python") as told:
+            simulate("de-keizer", None, "zigzag:20/20", **more)
+        assert "unnamed" not in str(told.value)
