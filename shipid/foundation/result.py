@@ -206,10 +206,13 @@ def csv_of(frame: pd.DataFrame, digits: int | None = None) -> str:
     Parameters
     ----------
     frame : DataFrame
-        The table; its index is left out.
+        The table; its index is left out. Units by column in ``attrs["units"]`` are written into the headers: a file has nothing else
+        that says them.
     digits : int, optional
         Significant digits of a number; by default as many as tell it from every other.
     """
+    units: Mapping[str, str] = frame.attrs.get("units", {})
+    frame = frame.rename(columns={n: f"{n} [{u}]" for n, u in units.items() if u not in ("", "1")})
     text: str = rested(frame).to_csv(
         index=False, lineterminator="\n", float_format=None if digits is None else f"%.{digits}g"
     )

@@ -184,3 +184,9 @@ def test_what_a_decay_leaves_of_a_zero_is_written_as_zero():
     assert rows == ["0,a,0", "0,b,1", "0,c,2", "1e-09,d,3", ",e,4"]
     assert csv_of(frame).splitlines()[1:4] == ["0.0,a,0", "0.0,b,1", "0.0,c,2"]
     assert frame["r [deg/s]"][1] == 4.2e-318, "the table itself stays as it is"
+
+
+def test_units_of_a_table_stand_in_the_headers_of_its_file():
+    frame = pd.DataFrame({"track": [1], "COG": [0.5]})
+    frame.attrs["units"] = {"track": "1", "COG": "rad", "SOG": "m/s"}
+    assert csv_of(frame).splitlines()[0] == "track,COG [rad]" and list(frame.columns) == ["track", "COG"]
