@@ -78,6 +78,24 @@ _HOMES = {
     "ShipidError": "shipid.foundation.errors",
 }
 
+#: What does in Python what a command of another name does.
+_COMMANDS = {
+    "show": ("find_model",),
+    "ship": ("find_ship",),
+    "check": ("check_trial",),
+    "report": ("trial_sheet", "write_report"),
+    "compare": ("compare_models",),
+    "plan": ("plan_trials",),
+    "filter": ("ExtendedKalmanFilter",),
+    "tune": ("design_autopilot", "judge"),
+    "predict": ("predict_track", "predict_route"),
+    "campaign": ("run_campaign",),
+    "track": ("encounter.tracking.track.track",),
+    "criteria": ("manoeuvring_criteria",),
+}
+#: Names that stand in this file and belong to others.
+_BORROWED = ("Any", "annotations", "importlib")
+
 __all__ = [*sorted(_HOMES), "__version__"]
 
 
@@ -87,11 +105,21 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - it hands on names of every 
     try:
         home = _HOMES[name]
     except KeyError:
-        raise AttributeError(f"module 'shipid' has no attribute '{name}'") from None
+        raise AttributeError(f"module 'shipid' has no attribute '{name}'{_instead(name)}") from None
     value = getattr(importlib.import_module(home), name)
     globals()[name] = value
     return value
 
 
+def _instead(name: str) -> str:
+    """What may have been meant: the function of a command, or a name that is spelt alike."""
+    import difflib
+
+    if name in _COMMANDS:
+        return f": in Python the command 'shipid {name}' is {' and '.join(f'shipid.{n}' for n in _COMMANDS[name])}"
+    meant = difflib.get_close_matches(name, __all__, 1)
+    return f". Did you mean shipid.{meant[0]}?" if meant else ""
+
+
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "models"})
+    return sorted({*(n for n in globals() if n not in _BORROWED), *__all__, "models"})

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import shipid
+from shipid.cli.registry import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = sorted([*(ROOT / "shipid").rglob("*.py"), *(ROOT / "models").rglob("*.py")])
@@ -163,3 +164,18 @@ def test_tidy_top_level():
     tracked = {line.partition("/")[0] for line in listed.stdout.splitlines()}
     assert {n for n in tracked if not n.startswith(".")} <= TOP_LEVEL | BESIDES
     assert {"pyproject.toml", "shipid", "models", "tests", "studies"} <= tracked
+
+
+def test_the_name_of_a_command_leads_to_its_function():
+    for command, (name, *_) in shipid._COMMANDS.items():  # noqa: SLF001
+        assert command in COMMANDS
+        with pytest.raises(AttributeError, match=f"'shipid {command}' is shipid.{name}"):
+            shipid.__getattr__(command)
+        home, _, last = name.rpartition(".")
+        assert callable(getattr(importlib.import_module(f"shipid.{home}") if home else shipid, last))
+    assert {c for c in COMMANDS if c not in (*shipid.__all__, *shipid._COMMANDS)} == {  # noqa: SLF001
+        "models", "format", "bridge", "completion",
+    }  # fmt: skip
+    with pytest.raises(AttributeError, match=r"Did you mean shipid.identify\?"):
+        shipid.__getattr__("identifi")
+    assert "annotations" not in dir(shipid) and "identify" in dir(shipid)

@@ -210,9 +210,9 @@ def open_bridge(
     recorder = None
     try:
         if settings.record is not None:
-            recorder = Recorder(
-                settings.record, parts.pilot.ship.name, settings.source, simulated=parts.source.kind == "simulate"
-            )
+            # What is replayed of a simulation stays one.
+            simulated = parts.source.kind == "simulate" or getattr(parts.source, "simulated", False)
+            recorder = Recorder(settings.record, parts.pilot.ship.name, settings.source, simulated=simulated)
         core = _core_of(settings, parts, recorder)
         address = f"http://{reached_at(listener, host)}/" + ("" if token is None else f"?token={quote(token, safe='')}")
         yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record, parts.notes)

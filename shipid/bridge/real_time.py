@@ -81,7 +81,7 @@ class RealTime:
             Since the last call, in s on the wall.
         """
         core, began = self.core, self._clock()
-        if core.paused:
+        if core.standing:
             return
         self._target += elapsed * (core.clock_factor or 1.0)
         interval = core.filter_interval

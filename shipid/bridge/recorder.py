@@ -14,7 +14,10 @@ from shipid.foundation.errors import MissingFileError
 from shipid.trials.columns import header
 
 #: The columns of a recording; what is not measured stays empty.
-COLUMNS = ("psi", "r", "u", "v", "delta", "delta_order", "x", "y", "SOG", "COG", "wind_speed", "wind_direction")
+COLUMNS = (
+    "psi", "r", "u", "v", "delta", "delta_order", "x", "y", "SOG", "COG", "wind_speed", "wind_direction", "wind_speed_relative",
+    "wind_direction_relative",
+)  # fmt: skip
 
 
 class Recorder:
@@ -73,7 +76,7 @@ class Recorder:
         cells = [f"{t:.3f}"]
         for name in COLUMNS:
             value = values.get(name, math.nan)
-            cells.append(f"{to_display(value, name, FIELDS[name].unit):.9g}" if math.isfinite(value) else "")
+            cells.append(f"{to_display(value, name, FIELDS[name].unit):z.9g}" if math.isfinite(value) else "")
         try:
             # One write a row: the system has it, whatever becomes of this process.
             row = (",".join(cells) + "\n").encode()

@@ -37,7 +37,7 @@ from shipid.identification.fit import Fit
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.draws import draw_coefficients
-from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.parameter_set import ParameterSet, lacks_speed, missing_values
 from shipid.parameters.validity import BEYOND, beyond, beyond_in_run
 
 #: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
@@ -129,7 +129,7 @@ def _speed(ship: ParameterSet, speed: str | float | None) -> float:
     own = ship.particular("speed", "m/s")
     found = own if speed is None else to_si(speed, "m/s", "the speed") if isinstance(speed, str) else float(speed)
     if found is None:
-        raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '15 kn'.")
+        raise lacks_speed(ship, "--speed '15 kn'")
     if not 0 < found < np.inf:
         raise UsageError(f"a speed of {found:g} m/s is no test speed: give one greater than zero.")
     return found

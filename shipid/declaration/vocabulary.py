@@ -15,7 +15,7 @@ from typing import TypeVar
 import numpy as np
 
 from shipid.declaration.units import counts_revolutions, factor, pretty, same_dimension
-from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.numbers import brief, number, uncertain_text
 
 Number = TypeVar("Number", float, np.ndarray)
 
@@ -185,7 +185,23 @@ def shown(value: float, name: str, inside: str = "", digits: int = 4) -> str:
         Significant digits.
     """
     unit = pretty(display_unit(name, inside))
-    return f"{to_display(value, name, inside):.{digits}g}" + ("" if unit == "1" else f" {unit}")
+    return brief(float(to_display(value, name, inside)), digits) + ("" if unit == "1" else f" {unit}")
+
+
+def shown_error(value: float, name: str, inside: str = "") -> str:
+    """Return the size of an error with three digits and its unit, as a terminal and a page print it: ``"0.0200 m/s"``.
+
+    Parameters
+    ----------
+    value : float
+        In the unit inside.
+    name : str
+        Of the quantity.
+    inside : str
+        The unit inside, for a quantity outside the vocabulary.
+    """
+    unit = pretty(display_unit(name, inside))
+    return number(float(to_display(value, name, inside)), 3) + ("" if unit == "1" else f" {unit}")
 
 
 def shown_estimate(value: float | None, std: float | None, name: str, inside: str = "") -> str:

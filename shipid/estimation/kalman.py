@@ -16,7 +16,7 @@ from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.levels.learn_levels import learn_levels
 from shipid.estimation.levels.record_levels import RecordLevels
 from shipid.estimation.online.online_filter import OnlineFilter
-from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of
+from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of, loaded
 from shipid.estimation.records.controls import controls_of
 from shipid.estimation.records.first_estimate import first_carried
 from shipid.estimation.records.likelihood import Likelihood, make_likelihood
@@ -187,7 +187,7 @@ class ExtendedKalmanFilter(Printed):
 
     def filter(
         self,
-        record: FilterRecord,
+        record: FilterRecord | str | Path,
         *,
         adapt: np.ndarray | bool = True,
         scale: Mapping[str, np.ndarray | float] | None = None,
@@ -196,8 +196,8 @@ class ExtendedKalmanFilter(Printed):
 
         Parameters
         ----------
-        record : Trial or mapping of str to ndarray
-            SI columns with ``t``; NaN where a sample is missing. An input is filled between its samples; behind a hole that is
+        record : Trial, mapping of str to ndarray, str or Path
+            SI columns with ``t``, or a trial's file; NaN where a sample is missing. An input is filled between its samples; behind a hole that is
             too long for that, what it drives starts anew.
         adapt : bool or ndarray of bool, shape (samples,)
             Where parameters adapt (needs ``switchable=True``).
@@ -217,7 +217,7 @@ class ExtendedKalmanFilter(Printed):
         UnstatedInputError
             If it lacks an input that declares no default.
         """
-        design = self.design
+        design, record = self.design, loaded(record)
         arranged = arrange(design.instruments, record)
         control = controls_of(design, arranged, adapt, scale)
         start = first_carried(design, record, arranged)

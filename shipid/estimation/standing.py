@@ -12,7 +12,7 @@ from __future__ import annotations
 from math import inf, isfinite
 from typing import Literal, TypeAlias
 
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, percent
 from shipid.foundation.statistics import interval_95
 
 Standing: TypeAlias = Literal["determined", "not distinguishable from zero", "not determined"]
@@ -62,12 +62,12 @@ def standing_of(
         return DETERMINED, ""
     first, last = interval_95(value, std)
     if low < 0 and std <= UNDETERMINED * size and first <= 0 <= last:
-        return NEAR_ZERO, f"its 95 % interval, {first:.2g} to {last:.2g}, holds zero."
+        return NEAR_ZERO, f"its 95 % interval, {brief(first, 2)} to {brief(last, 2)}, holds zero."
     times = std / abs(value) if value else inf
     if times < 1:
         return (
             UNKNOWN,
             f"its standard deviation is {percent(times)} of its value, and has to be below {percent(UNDETERMINED)}.",
         )
-    many = f"{times:.2g} times" if times < 100 else "more than a hundred times"
+    many = f"{brief(times, 2)} times" if times < 100 else "more than a hundred times"
     return UNKNOWN, f"its standard deviation is {many} its value: the data leave its size open."

@@ -14,6 +14,8 @@ _DIGITS = 4
 #: A larger size is printed as no number, a size below the inverse as 0.
 _LARGEST = 1e290
 _MOST_DIGITS = 7
+#: In a sentence a number below this is written out.
+_WRITTEN_OUT = 1e7
 
 #: How the name of an attribute ends that is not SI or says its unit for another reason; the longer ending goes first.
 _ENDINGS = {"_rad_s": "rad/s", "_deg_s": "deg/s", "_m_s": "m/s", "_deg": "deg", "_m": "m", "_s": "s"}
@@ -49,6 +51,28 @@ def given(value: float | None) -> str:
     """
     text = number(value, 6)
     mantissa, times, power = text.partition(" × ")
+    return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power
+
+
+def brief(value: float | None, digits: int = 3) -> str:
+    """Return a number as it stands in a sentence: without trailing zeros, large ones written out (140, not 1.4e+02), an ASCII minus sign.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    digits : int
+        Significant digits.
+    """
+    if value is None or not _is_number(value):
+        return NO_NUMBER
+    text = f"{value + 0.0:.{digits}g}"
+    if "e" not in text:
+        return text
+    size = abs(float(text))
+    if 1 <= size < _WRITTEN_OUT:
+        return f"{float(text):.0f}"
+    mantissa, times, power = number(value, digits).replace("−", "-").partition(" × ")
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power
 
 

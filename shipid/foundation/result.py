@@ -28,6 +28,8 @@ LINES, WIDTH = 10, 160
 _ALL_ROWS, _ROWS = 60, 20
 #: What a person reads instead of a unit of SI, and how many of it are one.
 _READ = {"rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi)}
+#: A smaller number in a file is what arithmetic leaves of zero: no quantity of a ship is so small in any unit.
+_LEAST = 1e-30
 
 
 class Result:
@@ -180,6 +182,41 @@ def table(rows: Iterable[Mapping[str, Plain]], index: str | list[str], columns: 
     names = [index] if isinstance(index, str) else index
     frame = pd.DataFrame(found, columns=None if found else [*names, *columns])
     return frame.set_index(index)
+
+
+def rested(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table as it is written to a file: without the sign of a zero, and without what a decay leaves of a zero (4e-318).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        Any columns; words and flags stay as they are.
+    """
+    plain = frame.copy()
+    for k, kind in enumerate(plain.dtypes):
+        if kind.kind == "f":
+            column = plain.iloc[:, k].to_numpy()
+            plain.isetitem(k, np.where(np.abs(column) < _LEAST, 0.0, column))
+    return plain
+
+
+def csv_of(frame: pd.DataFrame, digits: int | None = None) -> str:
+    """Return a table as the text of a CSV file.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table; its index is left out. Units by column in ``attrs["units"]`` are written into the headers: a file has nothing else
+        that says them.
+    digits : int, optional
+        Significant digits of a number; by default as many as tell it from every other.
+    """
+    units: Mapping[str, str] = frame.attrs.get("units", {})
+    frame = frame.rename(columns={n: f"{n} [{u}]" for n, u in units.items() if u not in ("", "1")})
+    text: str = rested(frame).to_csv(
+        index=False, lineterminator="\n", float_format=None if digits is None else f"%.{digits}g"
+    )
+    return text
 
 
 def _serious(result: Result) -> tuple[Notice, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction, Expression
-from shipid.foundation.errors import DeclarationError, UnknownNameError
+from shipid.foundation.errors import DeclarationError, UnknownNameError, UsageError
 from shipid.generation.symbolic_evaluation import SymbolicEvaluation, check_numbers
 
 # CasADi has two modes for NumPy functions of its symbols; equations need the one that returns symbols.
@@ -270,7 +270,13 @@ def generate(model: Model) -> System:
     ------
     DeclarationError
         If an equation does what only numbers can do, or gives other numbers over symbols.
+    UsageError
+        If it is no model.
     """
+    if not isinstance(model, Model):
+        raise UsageError(
+            f"generate takes a model, as shipid.join or shipid.find_model('de-keizer') returns it, and no {type(model).__name__}."
+        )
     groups = {
         "x": model.states,
         "u": model.inputs,

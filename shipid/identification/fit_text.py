@@ -9,9 +9,9 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty
-from shipid.declaration.vocabulary import display_unit, shown, shown_estimate, to_display
+from shipid.declaration.vocabulary import display_unit, shown, shown_error, shown_estimate, to_display
 from shipid.estimation.estimate import Estimate
-from shipid.foundation.numbers import number, uncertain_text
+from shipid.foundation.numbers import brief, number, uncertain_text
 from shipid.foundation.statistics import WHITE
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import ASTERN, MOTION_UNEXPLAINED, NOT_DETERMINED, WIND_UNREAD
@@ -194,8 +194,8 @@ def noise_lines(levels: NoiseLevels, model: Model) -> list[str]:
         density = shown(level, name, model[name].unit, digits=3)
         lines.append(f"  noise     drives {name}: {density}/s^0.5 (white, per root second)")
     for name, gust in levels.gusts.items():
-        size = f"{to_display(gust.size, name, model[name].unit):.3g} {display_unit(name, model[name].unit)}/s"
-        lines.append(f"  noise     drives {name}: gusts of {size} that last for {gust.time:.3g} s")
+        size = f"{brief(to_display(gust.size, name, model[name].unit), 3)} {display_unit(name, model[name].unit)}/s"
+        lines.append(f"  noise     drives {name}: gusts of {size} that last for {brief(gust.time, 3)} s")
     for name, level in levels.sensors.items():
         std = shown(level, name, model[name].unit, digits=3)
         lines.append(f"  noise     sensor of {name}: {std} in one sample")
@@ -262,4 +262,4 @@ def _value_text(e: Estimate) -> str:
 
 def _error_text(c: Comparison, signal: str, error: float) -> str:
     """An error of a signal in its display unit."""
-    return f"{signal} {shown(error, signal, c.unit(signal), digits=3)}" if np.isfinite(error) else f"{signal} runs away"
+    return f"{signal} {shown_error(error, signal, c.unit(signal))}" if np.isfinite(error) else f"{signal} runs away"

@@ -26,7 +26,7 @@ from shipid.declaration.model import Model
 from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, UsageError, nearest
 from shipid.parameters.loading import MEASURES, at_loading
 from shipid.parameters.parameter_file import read_parameter_set
-from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.parameter_set import NOBODY, ParameterSet
 from shipid.parts.planar_motion import PlanarMotion
 from shipid.parts.rudder_delay import RudderDelay
 from shipid.parts.wind import WindForces, WindMoment, WindPush
@@ -250,7 +250,7 @@ def ship_of(ship: ParameterSet | str | Path | None) -> ParameterSet:
         If there is no ship of that name.
     """
     if ship is None:
-        return ParameterSet("unnamed")
+        return ParameterSet(NOBODY)
     if isinstance(ship, (str, Path)):
         return find_ship(ship)
     if isinstance(ship, ParameterSet):

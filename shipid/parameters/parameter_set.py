@@ -210,6 +210,10 @@ class ParameterSet(Result):
         return table(rows, ["section", "name"], columns)
 
 
+#: What a ship is called of which nothing is known: none was given.
+NOBODY = "unnamed"
+_GIVE_SHIP = "give one, as in --ship soesterberg, or ship='soesterberg' in Python (shipid models lists them)"
+
 #: A message that asks for values shows so many of them.
 _EXAMPLES = 3
 #: Stands for a number that only the user knows: one that is printed would be taken for a fact of the ship.
@@ -317,6 +321,36 @@ def parse_value(model: Model, assignment: str) -> tuple[str, float]:
     return name, to_si(text, entry.given_unit, f"'{name}' ({entry.quantity.meaning})")
 
 
+def lacks_speed(ship: ParameterSet, option: str) -> ParameterSetError:
+    """Return the error that says that nothing states at which speed a ship sails.
+
+    Parameters
+    ----------
+    ship : ParameterSet
+        The ship.
+    option : str
+        How the speed is given on the command line, as in ``--speed '9 kn'``.
+    """
+    if ship.name == NOBODY:
+        return ParameterSetError(f"neither a ship nor a speed is given: {_GIVE_SHIP}, or a speed, as in {option}.")
+    return ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in {option}.")
+
+
+def lacks_length(ship: ParameterSet, why: str) -> ParameterSetError:
+    """Return the error that says that nothing states how long a ship is.
+
+    Parameters
+    ----------
+    ship : ParameterSet
+        The ship.
+    why : str
+        What the length is needed for, as in ``which sets the pace of a manoeuvre``.
+    """
+    if ship.name == NOBODY:
+        return ParameterSetError(f"no ship is given, and so no length L, {why}: {_GIVE_SHIP}.")
+    return ParameterSetError(f"ship {ship.name} has no length L greater than zero, {why}.")
+
+
 def missing_values(model: Model, values: Mapping[str, float], ship: str) -> ParameterSetError | None:
     """Return the error that names what a model still lacks, or None when it lacks nothing.
 
@@ -338,8 +372,11 @@ def missing_values(model: Model, values: Mapping[str, float], ship: str) -> Para
     remark = " (where a search begins: an order of size, not a value of this ship)" if begins else ""
     it = "it" if len(lacking) == 1 else "them"
     tables = dict.fromkeys("particulars" if n in model.constants else slug(model[n].owner) for n in lacking)
+    held = f"which {ship} does not hold. State {it}"
+    if ship == f"ship {NOBODY}":
+        held = f"and no ship is given: {_GIVE_SHIP}. Or state {it}"
     return ParameterSetError(
-        f"model {model.name} needs {named}, which {ship} does not hold. State {it}, as in {' '.join(examples)}{remark}, or write {it} "
+        f"model {model.name} needs {named}, {held}, as in {' '.join(examples)}{remark}, or write {it} "
         f"into the ship's file, in {', '.join(f'[{table}]' for table in tables)}."
     )
 

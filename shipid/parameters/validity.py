@@ -11,6 +11,7 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.parameters.catalogue import ADDED
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import ParameterSet
@@ -133,7 +134,7 @@ def beyond(
         return notices
     section, words = found[0], range_words(known)
     tells = (
-        f"the band takes its error as {grown:.2g} times as large as there."
+        f"the band takes its error as {brief(grown, 2)} times as large as there."
         if grown > 1
         else "no band contains that error."
     )

@@ -14,12 +14,13 @@ from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.generation.system import generate
 from shipid.identification.problem.setting import estimated_parameters, time_constant
 from shipid.identification.problem.signals import unknown_biases, usual_signals
 from shipid.identification.uncertainty.information import CandidateManoeuvre, Experiment
 from shipid.parameters.draws import normal_draws
-from shipid.parameters.parameter_set import ParameterSet, Value, missing_values
+from shipid.parameters.parameter_set import ParameterSet, Value, lacks_speed, missing_values
 from shipid.parameters.validity import beyond
 from shipid.parts.rudder_delay import steering_machine_of
 from shipid.trials.manoeuvres.noise import parse_noise
@@ -198,10 +199,10 @@ def planning_problem(
     own = [_si(s, "m/s", "the speed") for s in _listed(speed)]
     first = own[0] if own else ship.particular("speed", "m/s")
     if first is None:
-        raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '9 kn'.")
+        raise lacks_speed(ship, "--speed '9 kn'")
     if seconds > _MOST * length / first:
         raise UsageError(
-            f"{time} is more than {_MOST:.0f} times the {length / first:.3g} s in which ship {ship.name} sails her length: "
+            f"{time} is more than {_MOST:.0f} times the {brief(length / first, 3)} s in which ship {ship.name} sails her length: "
             "plan a part of it."
         )
     held = {n: to_si(v, model[n].given_unit, f"'{n}' ({model[n].quantity.meaning})") for n, v in values.items()}

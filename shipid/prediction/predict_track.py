@@ -13,6 +13,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond_in_run
@@ -192,7 +193,7 @@ def prediction_of(
     if track.ended:
         told.append(
             Notice(
-                f"the track ends after {track.s_star[-1]:.3g} of {horizon:g} ship lengths: {track.ended}.",
+                f"the track ends after {brief(track.s_star[-1], 3)} of {horizon:g} ship lengths: {track.ended}.",
                 "outside-the-model",
                 serious=True,
                 ship_lengths=float(track.s_star[-1]),

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from shipid.prediction.sailing.voyage import Voyage
     from shipid.prediction.tracks.predicted_track import PredictedTrack
     from shipid.trials.doctor.findings import Diagnosis
+    from shipid.trials.measuring.results.measures import Measures
     from shipid.trials.trial import Trial
 
     Reported: TypeAlias = (
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
         | TuningComparison
         | Prediction
         | TrialSheet
+        | Measures
         | CampaignResult
         | FleetResult
         | Tracking
@@ -76,6 +78,7 @@ _VIEWS = {
     "TuningComparison": "tuning.comparison:comparison_page",
     "Prediction": "prediction.page:prediction_page",
     "TrialSheet": "sheet.page:sheet_page",
+    "Measures": "sheet.page:measures_page",
     "CampaignResult": "campaign.page:campaign_page",
     "FleetResult": "campaign.fleet:fleet_page",
     "Tracking": "tracking.page:tracking_page",
@@ -112,7 +115,7 @@ def write_report(
     Parameters
     ----------
     result : Fit, FilterRun, Observability, WhichShip, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
-TrialSheet, CampaignResult, FleetResult, Tracking, Ranking, Plan, Criteria, Diagnosis or a sequence of these, Trial, Voyage, PredictedTrack, \
+TrialSheet, Measures, CampaignResult, FleetResult, Tracking, Ranking, Plan, Criteria, Diagnosis or a sequence of these, Trial, Voyage, PredictedTrack, \
 Smoothed or MultipleModelRun
         What to report.
     path : str or Path

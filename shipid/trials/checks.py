@@ -10,7 +10,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import shown
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted
 from shipid.trials.errors import ClockError, LooksLikeDegreesError, NonFiniteError, TooShortError
 from shipid.trials.filling import GAP, interpolated, usual_interval
 
@@ -157,7 +157,9 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
         if np.any(np.abs(np.abs(step) - 360) < 5):
             raise fail("psi", "the heading jumps by 360")
         if (rate := float(np.quantile(np.abs(step) / np.diff(t), 0.95, method="lower"))) > 1.0:
-            raise fail("psi", f"the heading runs from {psi.min():.4g} to {psi.max():.4g} rad, up to {rate:.3g} rad/s")
+            raise fail(
+                "psi", f"the heading runs from {psi.min():.4g} to {psi.max():.4g} rad, up to {brief(rate, 3)} rad/s"
+            )
     if "r" in columns:
         r = interpolated(columns["t"], columns["r"], t)
         said = 0.5 * (r[1:] + r[:-1]) * np.diff(t)
@@ -174,7 +176,7 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
         agree = float(turned @ said) ** 2 > 0.5 * energy * float(turned @ turned)
         if agree and (per := _per_minute(ratio, stated.get("r", ""))) is not None:
             says, seems = per
-            finding = f"the heading changes {ratio:.3g} times as fast as r says"
+            finding = f"the heading changes {brief(ratio, 3)} times as fast as r says"
             raise LooksLikeDegreesError(
                 f"{where}, column 'r': the unit says {says}, and the values look like {seems}: {finding}. "
                 f"Write 'r [{seems}]' in the header, or unit = \"{seems}\" in the format file, if they are.",

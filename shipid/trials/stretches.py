@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.trials.checks import FEWEST_SAMPLES
 from shipid.trials.errors import NoStretchError
 from shipid.trials.filling import GAP, held, interpolated, usual_interval
@@ -212,9 +213,9 @@ def _no_stretch(trial: Trial, inputs: Sequence[str], spans: list[np.ndarray], le
     t = trial["t"]
     longest = max((float(t[rows[-1]] - t[rows[0]]) for rows in spans), default=0.0)
     counts = ", ".join(f"{n} {np.count_nonzero(np.isfinite(trial[n]))}" for n in inputs)
-    wanted = f"{FEWEST_SAMPLES} samples" + (f" and {least:.3g} s" if least else "")
+    wanted = f"{FEWEST_SAMPLES} samples" + (f" and {brief(least, 3)} s" if least else "")
     return NoStretchError(
-        f"trial '{trial.name}': what drives the model has too many holes. The longest stretch without one lasts {longest:.3g} s, "
+        f"trial '{trial.name}': what drives the model has too many holes. The longest stretch without one lasts {brief(longest, 3)} s, "
         f"and at least {wanted} are needed. Samples there in {len(trial)} rows: {counts}. A hole of more than {GAP:g} usual "
         "intervals of a column is not filled: use a log in which it is recorded."
     )

@@ -8,13 +8,17 @@ from types import SimpleNamespace
 
 import pytest
 
+import shipid
 from shipid.bridge.real_time import RealTime
+from shipid.bridge.sources.replayed import ReplayedSource
+
+from .conftest import shown
 
 
 class Core:
     """A core whose predictor answers when the test says so; a prediction is due every 2 s."""
 
-    filter_interval, clock_factor, paused, slowed = 0.4, 64.0, False, False
+    filter_interval, clock_factor, standing, slowed = 0.4, 64.0, False, False
 
     def __init__(self, timed):
         self.t, self.asked, self.answered = 0.0, [], []
@@ -81,3 +85,22 @@ def test_a_simulation_that_cannot_keep_up_says_so():
         assert not core.slowed
 
     asyncio.run(run())
+
+
+def test_time_stands_where_a_replay_has_ended(make_core):
+    """The filter would sail on, and the page show as the ship's state what nobody has seen."""
+    trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:10/10", noise="standard", duration="30 s")
+    core = make_core(ReplayedSource(trial))
+    loop = RealTime(core, lambda: 0.0)
+
+    async def run():
+        for _ in range(60):
+            loop.advance(1.0)
+            await asyncio.sleep(0.01)
+
+    asyncio.run(run())
+    assert core.source.state == "ended" and core.t == pytest.approx(trial["t"][-1], abs=0.4)
+    told = shown(core)
+    assert told["own"]["age"] <= 0.4 and told["time"]["state"] == "ended"
+    # Its clock can be set on the page as that of a simulation; there is no weather to be changed.
+    assert told["simulation"]["clock_factor"] == 1.0 and "wind_speed" not in told["simulation"]

@@ -15,7 +15,8 @@ import pytest
 
 import shipid
 from shipid.cli import main
-from shipid.cli.frame.delivery import Delivery, delivered, json_text
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.envelope import json_text
 from shipid.cli.registry import COMMANDS
 from shipid.foundation.errors import ShipidError
 from shipid.foundation.exit_codes import ExitCode, markdown
@@ -274,3 +275,12 @@ def test_numbers_of_json_have_no_noise_and_no_negative_zero():
     assert told == '{"a": [15.0, 0.0, 1e-300], "b": [0.333333333333], "n": 7, "yes": true, "none": null}'
     with pytest.raises(ValueError, match="not JSON compliant"):
         json_text({"a": float("nan")})
+
+
+def test_json_holds_nothing_that_a_decay_leaves_of_a_zero():
+    assert json_text({"a": [4.2e-318, -0.0, -1e-320, 1e-9]}, indent=None) == '{"a": [0.0, 0.0, 0.0, 1e-09]}'
+
+
+def test_tables_are_written_in_one_place():
+    sources = Path(shipid.__file__).parent.rglob("*.py")
+    assert [str(p.name) for p in sources if ".to_csv(" in p.read_text(encoding="utf-8")] == ["result.py"]

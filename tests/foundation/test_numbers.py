@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from shipid.foundation.numbers import (
     NO_NUMBER,
+    brief,
     estimate,
     fixed,
     interval,
@@ -122,3 +123,14 @@ def test_a_terminal_shows_no_more_than_seven_figures():
 )
 def test_a_value_has_the_digits_of_its_interval(value, ends, factor, shown):
     assert estimate(value, ends, factor) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (141.4, 2, "140"), (-141.4, 2, "-140"), (99.6, 2, "100"), (1234.5, 3, "1230"), (0.5, 2, "0.5"), (2.0, 3, "2"), (0.00012, 2, "0.00012"),
+        (-0.0, 3, "0"), (3e-5, 2, "3 × 10⁻⁵"), (2.5e8, 2, "2.5 × 10⁸"), (float("nan"), 2, NO_NUMBER), (None, 2, NO_NUMBER),
+    ],
+)  # fmt: skip
+def test_a_number_in_a_sentence_is_written_out(value, digits, text):
+    assert brief(value, digits) == text

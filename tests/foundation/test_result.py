@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from shipid.foundation.notices import Notice
-from shipid.foundation.result import LINES, WIDTH, Printed, Result, described, shortened, table
+from shipid.foundation.result import LINES, WIDTH, Printed, Result, csv_of, described, rested, shortened, table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -174,3 +174,19 @@ def test_what_is_no_result_is_shown_as_it_prints():
             return "<a tool of 'x & y'>"
 
     assert Tool()._repr_html_().endswith("a tool of &#x27;x &amp; y&#x27;</pre>")
+
+
+def test_what_a_decay_leaves_of_a_zero_is_written_as_zero():
+    frame = pd.DataFrame({"r [deg/s]": [-0.0, 4.2e-318, -1e-31, 1e-9, np.nan], "mode": list("abcde"), "n": range(5)})
+    assert rested(frame)["r [deg/s]"].tolist()[:4] == [0.0, 0.0, 0.0, 1e-9]
+    head, *rows = csv_of(frame, 9).splitlines()
+    assert head == "r [deg/s],mode,n"
+    assert rows == ["0,a,0", "0,b,1", "0,c,2", "1e-09,d,3", ",e,4"]
+    assert csv_of(frame).splitlines()[1:4] == ["0.0,a,0", "0.0,b,1", "0.0,c,2"]
+    assert frame["r [deg/s]"][1] == 4.2e-318, "the table itself stays as it is"
+
+
+def test_units_of_a_table_stand_in_the_headers_of_its_file():
+    frame = pd.DataFrame({"track": [1], "COG": [0.5]})
+    frame.attrs["units"] = {"track": "1", "COG": "rad", "SOG": "m/s"}
+    assert csv_of(frame).splitlines()[0] == "track,COG [rad]" and list(frame.columns) == ["track", "COG"]

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 import shipid
+from shipid.declaration.vocabulary import shown_error
 from shipid.identification.fit_text import fit_words, noise_lines
 from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.report.typography.quantities import shown_field
 from shipid.trials.conditions import Conditions
 
 
@@ -41,3 +44,8 @@ def test_trials_at_several_loadings_are_not_pooled_in_silence(drift, drifting):
 
 def test_a_fit_of_nothing_has_no_sign():
     assert fit_words(-0.01) == "0.0 %" and fit_words(-0.06) == "-0.1 %"
+
+
+@pytest.mark.parametrize("error", [np.deg2rad(0.2), np.deg2rad(0.02), np.deg2rad(1.234567), np.deg2rad(120.0)])
+def test_an_error_reads_the_same_on_the_terminal_and_on_the_page(error):
+    assert shown_error(error, "psi") == f"{shown_field('psi').number(error)} deg"

@@ -116,3 +116,19 @@ def test_without_a_speed_of_trials_or_ship_one_is_asked_for(fit):
     )
     with pytest.raises(UsageError, match="neither the trials nor the ship say a speed"):
         dataclasses.replace(fit, ship=ship).to_control()
+
+
+@pytest.mark.parametrize(
+    ("manoeuvre", "axis"),
+    [("zigzag:20/20", "time since the first execute [s]"), ("turn:20", "to starboard of the initial course [m]")],
+)
+def test_a_measured_manoeuvre_draws_its_plot(manoeuvre, axis):
+    trial = shipid.simulate("norrbin", "zeefakkel", manoeuvre, noise="standard")
+    measures = shipid.measure(trial)
+    assert measures.record is not None and "record" not in measures.to_dict()
+    assert measures.plot().axes[-1].get_xlabel() == axis
+    assert sum("record" in str(row) for row in measures.to_frame()["quantity"]) == 0
+    page = render(measures)
+    assert measures.title.lower() in page.lower() and page.count("<svg") == 1
+    with pytest.raises(UsageError, match="has no figure"):
+        dataclasses.replace(measures, record=None).plot()

@@ -175,3 +175,11 @@ def test_an_uncertainty_that_is_not_known_is_no_number(judged, read_page):
 def test_no_report_of_anything_else():
     with pytest.raises(UsageError, match="no report for a ndarray"):
         render(np.zeros(3))
+
+
+def test_gains_read_the_same_on_the_terminal_and_on_the_page():
+    pilot = shipid.design_autopilot("de-keizer", "soesterberg", speeds="8:10:1 m/s")
+    page = render(pilot)
+    rows = [line.split() for line in pilot.text().splitlines()[2:5]]
+    assert [row[0] for row in rows] == ["8.00", "9.00", "10.00"]
+    assert [cell for row in rows for cell in row if f">{cell}<" not in page] == []

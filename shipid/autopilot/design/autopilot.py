@@ -18,7 +18,7 @@ from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import quantity
+from shipid.foundation.numbers import fixed, number, quantity
 from shipid.foundation.result import DrawnResult
 from shipid.parameters.parameter_set import ParameterSet
 
@@ -220,8 +220,9 @@ class Autopilot(DrawnResult):
                 lines.append(f"  {name}")
             lines.append("     u [m/s]  " + "".join(f"{n} [{GAINS[n][0]}]".rjust(12) for n in self.schedule.gains))
             for i, speed in enumerate(self.speeds):
-                row = "".join(f"{g[j][i]:12.4g}" for g in self.schedule.gains.values())
-                lines.append(f"  {speed:10.3f}  {row}")
+                # As on the page: four digits of a gain, two decimals of a speed.
+                row = "".join(number(g[j][i]).replace("−", "-").rjust(12) for g in self.schedule.gains.values())
+                lines.append(f"  {fixed(speed, 2):>10s}  {row}")
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
 
 

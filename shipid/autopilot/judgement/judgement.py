@@ -17,7 +17,7 @@ from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, quantity, with_units
+from shipid.foundation.numbers import brief, columns_of, quantity, with_units
 from shipid.foundation.result import DrawnResult, Result, ResultEntry
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class Weakest(ResultEntry):
         """In plain words."""
         unit = f" {self.unit}" if self.unit else ""
         kept = "within" if self.share >= 1 else "beyond"
-        return f"The weakest point is the {self.what} {self.where}: {self.value:.3g}{unit}, {kept} its limit of {self.limit:.3g}{unit}."
+        return f"The weakest point is the {self.what} {self.where}: {brief(self.value, 3)}{unit}, {kept} its limit of {brief(self.limit, 3)}{unit}."
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
@@ -153,11 +153,11 @@ class Judgement(DrawnResult):
             everywhere = (*self.margins[j], *self.between[j])
             worst = min(everywhere, key=lambda m: m.disk)
             found.append(
-                _point("disk margin", f"at {worst.speed:.3g} m/s{load}", worst.disk, self.limits["disk margin"])
+                _point("disk margin", f"at {brief(worst.speed, 3)} m/s{load}", worst.disk, self.limits["disk margin"])
             )
             robust = self.robust[j]
             if robust.samples:
-                where = f"over the uncertainty of the ship, at {robust.speed_worst:.3g} m/s{load}"
+                where = f"over the uncertainty of the ship, at {brief(robust.speed_worst, 3)} m/s{load}"
                 found.append(_point("disk margin", where, robust.disk_worst, self.limits["disk margin"]))
             filtered = robust.variants["sea filter on"]["disk"]
             if filtered is not None:
@@ -168,12 +168,14 @@ class Judgement(DrawnResult):
                      for m in everywhere if m.gain_high or m.gain_low]  # fmt: skip
             if gains:
                 value, speed = min(gains)
-                found.append(_point("gain margin", f"at {speed:.3g} m/s{load}", value, self.limits["gain margin"]))
+                found.append(
+                    _point("gain margin", f"at {brief(speed, 3)} m/s{load}", value, self.limits["gain margin"])
+                )
             phases = [(m.phase_deg, m.speed) for m in everywhere if m.phase_deg is not None]
             if phases:
                 value, speed = min(phases)
                 found.append(
-                    _point("phase margin", f"at {speed:.3g} m/s{load}", value, self.limits["phase margin"], "deg")
+                    _point("phase margin", f"at {brief(speed, 3)} m/s{load}", value, self.limits["phase margin"], "deg")
                 )
         return found + self._of_course_changes()
 
@@ -181,7 +183,7 @@ class Judgement(DrawnResult):
         found = []
         changes = [s for s in self.steps if s.change_deg]
         for s in changes:
-            where = f"in a course change of {abs(s.change_deg):.3g} deg at {s.speed:.3g} m/s"
+            where = f"in a course change of {brief(abs(s.change_deg), 3)} deg at {brief(s.speed, 3)} m/s"
             limit = max(self.limits["overshoot"] * abs(s.change_deg), _LEAST_OVERSHOOT)
             if s.lost or s.overshoot_deg is None:
                 found.append(Weakest("course change", where.removeprefix("in a course change "), 0.0, 1.0, "", 0.0))
@@ -250,7 +252,7 @@ class Judgement(DrawnResult):
             lines.append(f"  margins{load}: {_worst_of([m for loop in loops for m in loop])}")
             if robust.samples:
                 lines.append(
-                    f"  uncertain ship{load}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"
+                    f"  uncertain ship{load}: worst disk margin {brief(robust.disk_worst, 3)} over {robust.samples} draws ({robust.source})"
                 )
         lines += [f"  {words}" for words in self.not_reached]
         if self.on_board is not None:
@@ -268,11 +270,11 @@ def _worst_of(margins: Sequence[Margins]) -> str:
     phases = [m.phase_deg for m in margins if m.phase_deg is not None]
     delays = [m.delay_s for m in margins if m.delay_s is not None]
     return (
-        f"disk {min(m.disk for m in margins):.3g}"
+        f"disk {brief(min(m.disk for m in margins), 3)}"
         + (f", phase {min(phases):.0f} deg" if phases else "")
-        + (f", delay {min(delays):.3g} s" if delays else "")
-        + f" at least; peaks of S {max(m.sensitivity for m in margins):.3g} and of T "
-        f"{max(m.complementary for m in margins):.3g} at most"
+        + (f", delay {brief(min(delays), 3)} s" if delays else "")
+        + f" at least; peaks of S {brief(max(m.sensitivity for m in margins), 3)} and of T "
+        f"{brief(max(m.complementary for m in margins), 3)} at most"
     )
 
 

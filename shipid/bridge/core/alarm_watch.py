@@ -74,7 +74,10 @@ class AlarmWatch:
         silent = t > STALE if quiet is None else own.sensors.silent
         stale = source.state == "lost" or (source.state == "running" and silent)
         alarms.set("stale", stale, t, "alarm", f"no data from the source ({source.kind})")
-        alarms.set("ended", source.state == "ended", t, "caution", f"the source has ended ({source.kind})")
+        ended = (
+            "the replay has ended: this is its last moment" if source.timed else f"the source has ended ({source.kind})"
+        )
+        alarms.set("ended", source.state == "ended", t, "caution", ended)
         lost = own.sensors.lost
         told = {c.partition(":")[2] for c in alarms.conditions if c.startswith("lost:")}
         # Silence of the whole source is one alarm; a sensor that was lost before has not come back with it.

@@ -136,6 +136,11 @@ class BridgeCore:
 
     # What happens with time.
 
+    @property
+    def standing(self) -> bool:
+        """Whether time stands: it is paused, or a record has been played to its end. What was sailed after that is not known."""
+        return self.paused or (self.source.timed and self.source.state == "ended")
+
     def step(self, t: float) -> None:
         """Take what the source has up to a time; the filter goes on also where that is nothing.
 
@@ -308,9 +313,9 @@ class BridgeCore:
         put("alarms", self.alarms.to_list())
         put("targets", self.targets.to_list(t))
         simulation: dict[str, Plain] | None = None
-        if self.steered is not None:
+        if self.clock_factor is not None:
             simulation = {
-                **self.steered.to_dict(), "clock_factor": number(self.clock_factor), "paused": self.paused,
+                **({} if self.steered is None else self.steered.to_dict()), "clock_factor": number(self.clock_factor), "paused": self.paused,
                 "clock_factors": [1, 2, 4, 8, 16, 32, 64],
             }  # fmt: skip
         put("simulation", simulation)

@@ -24,6 +24,8 @@ class ReplayedSource:
     ----------
     started : datetime or None
         The moment of its first sample, where it is known.
+    simulated : bool
+        Whether the trial is a simulation.
 
     Raises
     ------
@@ -42,6 +44,7 @@ class ReplayedSource:
         self._names, self._table = tuple(names), np.stack([trial[n] for n in names], axis=1)
         self._next = 0
         self.started = _moment(trial.source.start)
+        self.simulated = trial.source.simulated
 
     @property
     def state(self) -> SourceState:

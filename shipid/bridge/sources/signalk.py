@@ -22,13 +22,16 @@ _PATHS = {
     "navigation.speedThroughWaterTransverse": "v", "navigation.speedOverGround": "SOG",
     "navigation.courseOverGroundTrue": "COG", "steering.rudderAngle": "delta", "steering.rudderAngleTarget": "delta_order",
     "navigation.speedThroughWater": "u", "environment.wind.speedTrue": "wind_speed",
-    "environment.wind.directionTrue": "wind_direction",
+    "environment.wind.directionTrue": "wind_direction", "environment.wind.speedApparent": "wind_speed_relative",
+    "environment.wind.angleApparent": "wind_direction_relative",
 }  # fmt: skip
 #: What no ship shows, in SI: a server that sends more speaks another unit.
 _MOST = {
     "psi": 2 * math.pi, "COG": 2 * math.pi, "wind_direction": 2 * math.pi, "r": 0.5, "delta": math.pi / 2, "delta_order": math.pi / 2,
-    "u": 60.0, "v": 60.0, "SOG": 60.0, "wind_speed": 120.0,
+    "u": 60.0, "v": 60.0, "SOG": 60.0, "wind_speed": 120.0, "wind_speed_relative": 120.0, "wind_direction_relative": 2 * math.pi,
 }  # fmt: skip
+#: What is told by where it comes from, and kept by where it flows to.
+_FROM = ("wind_direction", "wind_direction_relative")
 #: A message is no longer than this in bytes; a value no larger than this; seconds until a connection is tried again, from and to.
 _LONGEST, _LARGEST, _AGAIN, _LATEST = 1 << 18, 1e9, 1.0, 10.0
 #: A value that is older by the server's clock is what the server has kept, in s; where nothing else comes for so long the clock is asked again.
@@ -191,7 +194,7 @@ class SignalKSource:
             ]
             return
         self._ahead |= path == "navigation.speedThroughWaterLongitudinal"
-        self._values[name] = number + math.pi if name == "wind_direction" else number
+        self._values[name] = number + math.pi if name in _FROM else number
 
     def _fix(self, value: Plain) -> None:
         if not isinstance(value, dict):

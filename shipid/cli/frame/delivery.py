@@ -7,8 +7,6 @@ is done, and filled after it.
 from __future__ import annotations
 
 import functools
-import json
-import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -18,22 +16,23 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar
 
 import click
 
-from shipid.cli.frame.envelope import envelope, inputs_given
+from shipid.cli.frame.envelope import envelope, inputs_given, json_text
 from shipid.cli.frame.messages import progress, say, typed, warned
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.printable import escaped, printable
+from shipid.foundation.printable import printable
 
 if TYPE_CHECKING:
+    from shipid.foundation.result import Result
     from shipid.report.write_report import Reported
 
 #: What writes a file to the path it is given.
 Writer: TypeAlias = Callable[[Path], object]
 #: A function that becomes a command.
 Command = TypeVar("Command", bound=Callable[..., object])
-#: Significant digits of a number in JSON: more than any result has.
-_DIGITS = 12
+#: Significant digits of a number in a table of estimates.
+_DIGITS = 9
 #: Where the context of a command keeps itself if JSON is asked for, and whether a result was printed.
 ASKED, PRINTED = "shipid.json", "shipid.printed"
 #: The files of a result that every command names alike.
@@ -114,6 +113,22 @@ class Delivery:
     def progress(self) -> AbstractContextManager[Callable[[str], None]]:
         """Return a context manager that shows what is being done; silent where JSON is asked for."""
         return progress(self.as_json)
+
+    def table(self, result: Result) -> Writer:
+        """Return what writes the table of a result as CSV, numbers with nine digits.
+
+        Parameters
+        ----------
+        result : Result
+            Its ``to_frame`` is written.
+        """
+
+        def write(path: Path) -> None:
+            from shipid.foundation.result import csv_of
+
+            path.write_text(csv_of(result.to_frame(), _DIGITS), encoding="utf-8", newline="\n")
+
+        return write
 
     def report(self, result: Reported, **more: Plain) -> Writer:
         """Return what writes the page of a result, with the command that made it.
@@ -281,28 +296,6 @@ def _print_page(path: Path) -> None:
     from shipid.report.pdf import write_pdf
 
     write_pdf(path.with_name(REPORT), path)
-
-
-def json_text(value: Plain, *, indent: int | None = 1) -> str:
-    """Return a result as JSON, which holds no NaN and no infinity, with numbers of twelve digits and no negative zero.
-
-    Parameters
-    ----------
-    value : dict or list
-        The result.
-    indent : int or None
-        Spaces a level; None for one line.
-    """
-    return escaped(json.dumps(_rounded(value), indent=indent, allow_nan=False, ensure_ascii=False))
-
-
-def _rounded(value: Plain) -> Plain:
-    """The same with the noise of the last digits left out: 15.0 for 14.999999999999998."""
-    if isinstance(value, dict):
-        return {name: _rounded(one) for name, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_rounded(one) for one in value]
-    return float(f"{value:.{_DIGITS}g}") + 0.0 if isinstance(value, float) and math.isfinite(value) else value
 
 
 def output_file(path: str, overwrite: bool) -> Path:

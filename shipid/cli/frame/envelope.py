@@ -14,7 +14,10 @@ What is not known is null: there is no NaN and no infinity.
 from __future__ import annotations
 
 import hashlib
+import json
+import math
 import re
+import sys
 from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
@@ -22,11 +25,14 @@ from pathlib import Path
 import click
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.printable import escaped
 
 #: Counts up when a name or a form that a program may read changes its meaning or goes.
 SCHEMA_VERSION = 2
 #: Parameters of commands that name what is written, or what grows while it is read.
 _NOT_READ = ("output", "out", "follow")
+#: Significant digits of a number in JSON: more than any result has.
+_DIGITS = 12
 
 
 def envelope(data: dict[str, Plain], inputs: list[dict[str, Plain]]) -> dict[str, Plain]:
@@ -93,3 +99,28 @@ def _hash_of(file: Path) -> str | None:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError:  # whoever reads it says so
         return None
+
+
+def json_text(value: Plain, *, indent: int | None = 1) -> str:
+    """Return a result as JSON, which holds no NaN and no infinity, with numbers of twelve digits and no negative zero.
+
+    Parameters
+    ----------
+    value : dict or list
+        The result.
+    indent : int or None
+        Spaces a level; None for one line.
+    """
+    return escaped(json.dumps(_rounded(value), indent=indent, allow_nan=False, ensure_ascii=False))
+
+
+def _rounded(value: Plain) -> Plain:
+    """The same with the noise of the last digits left out: 15.0 for 14.999999999999998."""
+    if isinstance(value, dict):
+        return {name: _rounded(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_rounded(one) for one in value]
+    if not isinstance(value, float) or not math.isfinite(value):
+        return value
+    # What arithmetic leaves of zero, such as 4e-318, has no digits that mean anything.
+    return float(f"{value:.{_DIGITS}g}") + 0.0 if abs(value) > sys.float_info.min else 0.0

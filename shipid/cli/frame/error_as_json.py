@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.frame.delivery import ASKED, PRINTED, Delivery, json_text
+from shipid.cli.frame.delivery import ASKED, PRINTED, Delivery
+from shipid.cli.frame.envelope import json_text
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import Notice
 

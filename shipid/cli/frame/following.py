@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.frame.delivery import Delivery, json_text
+from shipid.cli.frame.delivery import Delivery
+from shipid.cli.frame.envelope import json_text
 from shipid.cli.frame.messages import say, warn, warned
 from shipid.foundation.exit_codes import ExitCode
 

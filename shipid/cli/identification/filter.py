@@ -199,7 +199,7 @@ def _filter(
         run.to_dict() | levels.to_dict() | {"observability": seen.to_dict()},
         "\n".join([run.text(), *(f"  {sentence}" for sentence in said)]),
         {
-            _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
+            _ESTIMATES: delivery.table(run),
             REPORT: delivery.report(seen),
         },
     )
@@ -241,7 +241,7 @@ def _recursively(
     return delivery.hand_over(
         run,
         {
-            _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
+            _ESTIMATES: delivery.table(run),
             REPORT: delivery.report(run),
         },
     )
@@ -278,7 +278,7 @@ def _which_ship(
         found.to_dict(),
         "\n".join([found.text(), *(f"  {sentence}" for sentence in found.levels.words)]),
         {
-            _ESTIMATES: lambda path: found.run.to_frame().to_csv(path, index=False, float_format="%.9g"),
+            _ESTIMATES: delivery.table(found.run),
             REPORT: delivery.report(found),
         },
     )

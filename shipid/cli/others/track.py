@@ -92,7 +92,7 @@ def track(
     return delivery.hand_over(
         result,
         {
-            _TRACKS: lambda path: result.to_frame().to_csv(path, index=False, float_format="%.9g"),
+            _TRACKS: delivery.table(result),
             REPORT: delivery.report(result),
         },
     )

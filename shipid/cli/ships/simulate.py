@@ -246,6 +246,8 @@ def _order_of(text: str) -> tuple[str, str]:
 
 
 def _print(trial: Trial) -> None:
+    from shipid.foundation.result import csv_of
+
     for line in trial.source.comment.splitlines():
         click.echo(f"# {line}")
-    click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
+    click.echo(csv_of(trial.to_frame(), 10), nl=False)

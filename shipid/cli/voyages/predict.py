@@ -164,7 +164,7 @@ def predict(
     return delivery.hand_over(
         found,
         {
-            _TRACK: lambda path: found.to_frame().to_csv(path, index=False, float_format="%.9g"),
+            _TRACK: delivery.table(found),
             REPORT: delivery.report(found),
         },
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.encounter.plots.raw_plots import RawPlots, midnights
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 
 #: Turns that no bearing counts.
 _TURNS = 2.5
@@ -82,7 +83,7 @@ def _range_unit(ranges: np.ndarray) -> list[Notice]:
     if known[-1] < _SHORT:
         return [
             Notice(
-                f"all ranges lie below {known[-1]:.3g} m: their column may hold nautical miles or kilometres. Write its unit in the header.",
+                f"all ranges lie below {brief(known[-1], 3)} m: their column may hold nautical miles or kilometres. Write its unit in the header.",
                 "range-unit",
                 serious=True,
             )
@@ -94,7 +95,7 @@ def _range_unit(ranges: np.ndarray) -> list[Notice]:
         return []
     return [
         Notice(
-            f"{near.size} ranges lie below {near[-1]:.3g} m, and all others beyond {far[0]:.0f} m: the column may mix metres and "
+            f"{near.size} ranges lie below {brief(near[-1], 3)} m, and all others beyond {far[0]:.0f} m: the column may mix metres and "
             f"{' or '.join(likely)}. Write all in one unit, or each sensor in a log of its own.",
             "range-unit",
             count=int(near.size),

@@ -16,6 +16,7 @@ from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilter
 from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.tracker import Standing, Tracker, TrackerSettings
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 
 #: Residuals that say something of a sensor, the power of one axis that is too large, and the one at which a wider sensor is wide enough.
 _ENOUGH, _TOO_LARGE, _SETTLED = 20, 1.3, 1.05
@@ -115,10 +116,10 @@ def _better(engine: Tracker, first: Tracker, scans: int, wider: np.ndarray) -> b
 
 def _told(sensor: Sensor, scale: float) -> Notice:
     if sensor.range_std is None or sensor.bearing_std is None:
-        stated, found = f"{sensor.position_std:.3g} m", f"{scale * sensor.position_std:.3g} m"
+        stated, found = f"{brief(sensor.position_std, 3)} m", f"{brief(scale * sensor.position_std, 3)} m"
     else:
         stated, found = (
-            f"{k * sensor.range_std:.3g} m in range and {k * np.rad2deg(sensor.bearing_std):.2g} deg in bearing"
+            f"{brief(k * sensor.range_std, 3)} m in range and {brief(k * np.rad2deg(sensor.bearing_std), 2)} deg in bearing"
             for k in (1.0, scale)
         )
     return Notice(

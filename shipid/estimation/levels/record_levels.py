@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 from shipid.declaration.units import factor, pretty
 from shipid.estimation.standing import DETERMINED, Standing
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.numbers import brief, uncertain_text
 from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import interval_95
 
@@ -216,7 +216,7 @@ class RecordLevels(Result):
 
     def _shown(self, key: str, value: float) -> str:
         unit, shown = self.units[key]
-        return f"{key.partition(':')[2]} {value * factor(unit, shown):.3g} {pretty(shown)}"
+        return f"{key.partition(':')[2]} {brief(value * factor(unit, shown), 3)} {pretty(shown)}"
 
     def __str__(self) -> str:
         said = []

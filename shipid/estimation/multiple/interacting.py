@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from shipid.estimation.multiple.online import OnlineMultipleModel
 from shipid.estimation.multiple.record import MultipleRecord, arrange_for_modes
 from shipid.estimation.multiple.structures import Structure
 from shipid.estimation.multiple.transition import read_probabilities, read_transition
-from shipid.estimation.records.arrangement import FilterRecord, columns_of
+from shipid.estimation.records.arrangement import FilterRecord, columns_of, loaded
 from shipid.estimation.records.restart import run_stretches
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnknownNameError
@@ -206,14 +207,18 @@ class InteractingMultipleModel(Printed):
         return self.design.measured
 
     def filter(
-        self, record: FilterRecord, *, covariances: np.ndarray | None = None, first: FirstState | None = None
+        self,
+        record: FilterRecord | str | Path,
+        *,
+        covariances: np.ndarray | None = None,
+        first: FirstState | None = None,
     ) -> MultipleModelRun:
         """Filter a whole record.
 
         Parameters
         ----------
-        record : Trial or mapping of str to ndarray
-            SI columns with ``t``; NaN where a sample is missing.
+        record : Trial, mapping of str to ndarray, str or Path
+            SI columns with ``t``, or a trial's file; NaN where a sample is missing.
         covariances : ndarray, shape (samples, sensors, sensors) or (sensors, sensors), optional
             Covariance of the sensors' errors, SI, in the order of the sensors, in place of the standard deviations given.
         first : FirstState, optional
@@ -230,6 +235,7 @@ class InteractingMultipleModel(Printed):
         ShipidError
             If the covariances do not fit, or the record lacks a sensor or an input.
         """
+        record = loaded(record)
         arranged = arrange_for_modes(self.design, record, covariances, first)
         out = run_cycles(self.design, arranged)
         return self._run(columns_of(record)[1], arranged, out)

@@ -35,6 +35,8 @@ from shipid.estimation.recursion.gate import REJECTED, TAKEN
 from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.first_look import first_value
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
+from shipid.foundation.result import Printed
 from shipid.generation.loop import Stepper
 
 
@@ -48,7 +50,7 @@ class _Row(NamedTuple):
     is_sample: bool
 
 
-class OnlineFilter:
+class OnlineFilter(Printed):
     """A filter that takes one sample at a time; made by `ExtendedKalmanFilter.start`.
 
     Parameters
@@ -92,6 +94,11 @@ class OnlineFilter:
             for i, s in enumerate(design.sources)
             if s.name in lost
         )
+
+    def __repr__(self) -> str:
+        at = "before its first sample" if self.t is None else f"at {brief(self.t, 6)} s"
+        lagged = "" if self.lag is None else f", {brief(self.lag)} s behind"
+        return f"<filter of '{self.design.model.name}', a sample at a time{lagged}: {at}>"
 
     @property
     def t(self) -> float | None:

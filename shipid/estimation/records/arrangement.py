@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -24,6 +25,7 @@ from shipid.foundation.errors import UsageError
 from shipid.foundation.result import Result
 from shipid.trials.filling import slope
 from shipid.trials.logs.conversion import unwrapped
+from shipid.trials.logs.reading import trials_of
 from shipid.trials.stretches import is_order
 from shipid.trials.trial import Trial
 
@@ -161,6 +163,19 @@ class Arrangement(Result):
     def back(self) -> int:
         """How many samples were left out because their time stamp cannot be right."""
         return int(np.count_nonzero(~self.forward & ~self.unknown))
+
+
+def loaded(record: FilterRecord | str | Path) -> FilterRecord:
+    """Return what is filtered; the file of a log is read.
+
+    Parameters
+    ----------
+    record : Trial, mapping of str to ndarray, str or Path
+        As a user gives it.
+    """
+    if isinstance(record, str | Path):
+        [record] = trials_of(record)
+    return record
 
 
 def columns_of(record: FilterRecord) -> tuple[dict[str, np.ndarray], str]:

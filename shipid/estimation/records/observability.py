@@ -19,6 +19,7 @@ from shipid.estimation.records.smoother import rows_before
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import DrawnResult, ResultEntry, table
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class Observability(DrawnResult):
         """Return the result in lines of text."""
         head = f"what record {self.run.record} shows of {', '.join(self.states)}"
         lines = [f"  {said}" for said in self.messages]
-        lines += [f"  weak: {d}, information {d.information:.2g}" for d in self.weak]
+        lines += [f"  weak: {d}, information {brief(d.information, 2)}" for d in self.weak]
         return "\n".join([head, *(lines or ["  every state is observable"])])
 
 

@@ -39,6 +39,9 @@ def _expr(value: Expression) -> sympy.Basic:
 
     if isinstance(value, _Traced):
         return value.expr
+    if isinstance(value, list | tuple) or np.ndim(value):
+        # The places of a table that is interpolated.
+        return sympy.Tuple(*(_expr(v) for v in value))
     number = float(value)
     return sympy.Integer(int(number)) if number == int(number) else sympy.Float(repr(number), 6)
 

@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass
 import shipid
 from shipid.declaration.model import Model
 from shipid.foundation.cache import keep, kept
+from shipid.foundation.errors import UsageError
 from shipid.generation.system import generate
 from shipid.generation.typesetting.mathml import equation_mathml
 from shipid.generation.typesetting.symbols import symbol, symbol_mathml
@@ -62,10 +63,19 @@ def typeset(model: Model) -> list[Typeset]:
     -------
     list of Typeset
 
+    Raises
+    ------
+    UsageError
+        If it is no model.
+
     Notes
     -----
     What was typeset once is kept in the cache: SymPy takes a third of a second to load.
     """
+    if not isinstance(model, Model):
+        raise UsageError(
+            f"typeset takes a model, as shipid.join or shipid.find_model('de-keizer') returns it, and no {type(model).__name__}."
+        )
     key = f"typeset-{_fingerprint(model)}.json"
     known = kept(key)
     if known is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import number, percent
 from shipid.foundation.result import DrawnResult
 from shipid.identification.choice.choosing import (
     MAY_RUN_AWAY,
@@ -240,7 +240,7 @@ def _cells(measures: object) -> str:
     """One cell a measure."""
     assert isinstance(measures, dict)
     cells = [_displayed(n, measures.get(n)) for n in MEASURES]
-    return "".join(("-" if c is None else f"{c:.3g}").rjust(9) for c in cells)
+    return "".join(("-" if c is None else number(c, 3)).rjust(9) for c in cells)
 
 
 def _displayed(name: str, value: float | None) -> float | None:

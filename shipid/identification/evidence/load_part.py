@@ -14,6 +14,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import brief
 from shipid.foundation.statistics import plain
 from shipid.identification.loading import loading_of
 from shipid.identification.problem.output_error import Problem
@@ -60,7 +61,7 @@ class LoadPart:
         """The odds in words."""
         if self.log_odds is None:
             return "not known"
-        size = f"{np.exp(abs(self.log_odds)):.2g}" if abs(self.log_odds) < np.log(1e5) else "more than 100000"
+        size = brief(np.exp(abs(self.log_odds)), 2) if abs(self.log_odds) < np.log(1e5) else "more than 100000"
         return f"{size} to 1" if self.log_odds >= 0 else f"1 to {size}"
 
     def to_dict(self) -> dict[str, Plain]:

@@ -12,6 +12,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import factor, to_si
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.foundation.numbers import brief
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.loading import reference_loading
 from shipid.identification.problem.box import Box, box_of
@@ -245,7 +246,7 @@ def check_length(setting: Setting, trials: Sequence[Trial]) -> None:
             check_way({n: trial[n] for n in ("t", "u") if n == "t" or trial.has(n)}, trial.name, setting.model.name)
         if trial.duration < needed:
             raise TrialTooShortError(
-                f"trial {trial.name} lasts {trial.duration:.3g} s, and {why} is {needed:.3g} s: it ends before the ship has "
+                f"trial {trial.name} lasts {brief(trial.duration, 3)} s, and {why} is {brief(needed, 3)} s: it ends before the ship has "
                 "responded to its rudder. Give a longer trial, or a wider window."
             )
 

@@ -10,7 +10,7 @@ import numpy as np
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NotMeasurableError
-from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of
+from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of, loaded
 from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.aliases import Plain
@@ -218,7 +218,7 @@ def _controls(design: RecursiveDesign, arranged: Arrangement) -> np.ndarray:
 
 def identify_recursively(
     model: Model | type[Component] | str,
-    trial: FilterRecord | Sequence[FilterRecord],
+    trial: FilterRecord | str | Path | Sequence[FilterRecord | str | Path],
     *,
     method: str = "combined",
     ship: ParameterSet | str | None = None,
@@ -230,8 +230,8 @@ def identify_recursively(
     ----------
     model : Model, component class or str
         What is identified; one state of it, linear in the parameters.
-    trial : Trial, mapping, or a sequence of them
-        FilterRecords of that state and of what its equation reads.
+    trial : Trial, mapping, str or Path, or a sequence of them
+        Records of that state and of what its equation reads; a trial may be the file of its log.
     method : str
         ``"ekf"``, ``"rls"``, ``"series-parallel"``, ``"mras-parallel"``, ``"minimum-variance"``, ``"combined"``,
         ``"combined-heuristic"`` or ``"instrumental-variables"``.
@@ -246,6 +246,6 @@ def identify_recursively(
         Or a list of them for a sequence of records.
     """
     identifier = RecursiveIdentifier(model, ship, method=method, **options)
-    if isinstance(trial, Trial | Mapping):
-        return identifier.identify(trial)
-    return identifier.identify_all(list(trial))
+    if isinstance(trial, Trial | Mapping | str | Path):
+        return identifier.identify(loaded(trial))
+    return identifier.identify_all([loaded(one) for one in trial])

@@ -18,7 +18,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import percent, probability, quantity
+from shipid.foundation.numbers import brief, percent, probability, quantity
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import WHITE
 from shipid.identification.recursive.design import RecursiveDesign
@@ -172,7 +172,7 @@ class RecursiveIdentification(DrawnResult):
         size, share = self._excess
         if size > _LARGE and share > _UNEXPLAINED:
             return (
-                f"at the end the innovations are {size:.3g} times as large as expected, and their excess power is "
+                f"at the end the innovations are {brief(size, 3)} times as large as expected, and their excess power is "
                 f"{percent(share)} of the motion's variance: the recursion has diverged. Start it closer to the true values, with "
                 "another first standard deviation (start, initial), or with noise on the parameters (noise)."
             )
@@ -310,13 +310,13 @@ class RecursiveIdentification(DrawnResult):
             f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
         ]
         lines += [f"  {p}" for p in self.parameters.values()]
-        mean = "-" if self.nis_mean is None else f"{self.nis_mean:.3g}"
+        mean = "-" if self.nis_mean is None else brief(self.nis_mean, 3)
         white = "-" if self.white_p is None else probability(self.white_p)
         lines.append(f"  innovations of {self.design.output}: NIS {mean} (1 is right), whiteness p {white}")
         lines += [f"  {sentence}" for sentence in self.arranged.words]
         if self.widening > _WORTH_SAYING:
             lines.append(
-                f"  intervals are {self.widening:.2g} times as wide as the noise level alone would make them: the innovations are "
+                f"  intervals are {brief(self.widening, 2)} times as wide as the noise level alone would make them: the innovations are "
                 "larger than it, or not white"
             )
         if self.diverged:

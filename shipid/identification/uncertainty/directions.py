@@ -18,6 +18,7 @@ import numpy as np
 
 from shipid.estimation.standing import UNDETERMINED
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import covariance_of
@@ -139,7 +140,9 @@ def _what(fitted: str, parts: dict[str, float], deviation: float | None) -> str:
         how = "has hardly any effect in" if deviation > UNDETERMINED else "is only roughly known from"
         return f"{lead} {how} {fitted}: ±{share_words(deviation)}."
     named = others[:_NAMED]
-    together = "; ".join(f"{n} by {abs(parts[n]):.2g} times as much {_side(parts[n], parts[lead])}" for n in named)
+    together = "; ".join(
+        f"{n} by {brief(abs(parts[n]), 2)} times as much {_side(parts[n], parts[lead])}" for n in named
+    )
     together += f"; {_listed(others[_NAMED:])} by less" if others[_NAMED:] else ""
     roughly = deviation is not None and deviation <= UNDETERMINED
     how = "can be separated only roughly" if roughly else "cannot be separated"

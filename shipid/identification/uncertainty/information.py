@@ -138,7 +138,7 @@ class Experiment:
         """
         speed = candidate.speed
         unit, interval = self.length / speed, self.interval(speed)
-        planned = plan(candidate.manoeuvre, unit, 0.0, self.limit, candidate.seed, duration)
+        planned = plan(candidate.manoeuvre, unit, 0.0, self.limit, candidate.seed, duration, known.get("delta_rate"))
         steered = _steered(self.model, planned.helm)  # type: ignore[arg-type]  # a class is hashable
         fine = steps_of_helm(interval, unit)
         t = np.arange((int(duration / interval + 1e-9)) * fine + 1) * (interval / fine)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.vocabulary import FIELDS, shown
+from shipid.declaration.vocabulary import FIELDS, shown_error
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
@@ -132,7 +132,7 @@ class Comparison(Result):
 
     def text(self) -> str:
         """Return the comparison in lines of text."""
-        errors = [f"  rms error of {n:<8s} {shown(v, n, self.unit(n))}" for n, v in self.rmse.items()]
+        errors = [f"  rms error of {n:<8s} {shown_error(v, n, self.unit(n))}" for n, v in self.rmse.items()]
         left = [] if self.departure is None else [f"  {self.departure}"]
         return "\n".join(
             [f"trial {self.trial.name} beside its prediction", *errors, *left, *(f"  {n}" for n in self.notes)]

@@ -19,6 +19,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
@@ -142,7 +143,7 @@ def sail(
     count = round(end / interval)
     if count * fine > 1e7:
         raise UsageError(
-            f"a voyage of {end:.3g} s at {interval:.3g} s takes more than 1e7 steps: ask for a shorter one."
+            f"a voyage of {brief(end, 3)} s at {brief(interval, 3)} s takes more than 1e7 steps: ask for a shorter one."
         )
     t = np.arange(count * fine + 1) * (interval / fine)
     acting: dict[str, float | np.ndarray] = {
@@ -169,7 +170,7 @@ def sail(
     )
     if run.departure is not None:
         raise NotSailedError(
-            f"the voyage of ship {pilot.ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
+            f"the voyage of ship {pilot.ship.name} at {brief(u0, 3)} m/s is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
             f"{run.departure.time:.4g} s after the start. A smaller rudder limit keeps it within its range."
         )
     deviations = parse_noise(noise)

@@ -31,7 +31,7 @@ from shipid.prediction.routes.sailings import turned
 from shipid.prediction.sailing.sail import steering
 from shipid.prediction.sailing.simulated_ship import SimulatedShip
 from shipid.prediction.sailing.surroundings import stated_inputs, stated_values, with_waves
-from shipid.prediction.sailing.voyage import Voyage, WheelOverDone, limits_left, not_followed
+from shipid.prediction.sailing.voyage import Voyage, WheelOverDone, limits_left, not_followed, too_late
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 from shipid.trials.manoeuvres.flows import (
@@ -54,6 +54,8 @@ _ORDERED = 1 / 12
 #: A voyage is given up after so many times what the route takes at the ship's own speed, and so many L/U.
 _SLOWER, _MORE = 2.5, 100.0
 _MOST_STEPS = 1e6
+#: A wheel-over is late by more than so many intervals of the orders.
+_LATE = 2.0
 #: What the pilot knows of the ship.
 _KNOWN = ("x", "y", "psi", "r", "u", "v", "delta")
 
@@ -298,6 +300,7 @@ class _Run:
                     float(leg.along(following.x, following.y) - leg.along(now["x"], now["y"])),
                     float(turned(following.course - leg.course)),
                     order.rudder_limit,
+                    order.to_wheel_over is not None and order.to_wheel_over < -_LATE * self.every * self.interval,
                 )
             )
 
@@ -347,7 +350,8 @@ def _voyage(
     arrived = run.helm.phase == "arrived"
     if not arrived:
         told.append(Notice(f"the end of the route was not reached after {t[-1]:.0f} s.", "not-arrived", serious=True))
-    told += not_followed(off / ship.pilot.length, route, to)
+    done = tuple(replace(w, name=route.called(w.waypoint)) for w in run.wheel_overs)
+    told += [*not_followed(off / ship.pilot.length, route, to), *too_late(done)]
     told += beyond_in_run(ship.pilot.model, ship.pilot.ship, ship.speed, columns)
     origin = "" if route.origin is None else f"\n{origin_words(route.origin)}"
     comment = (
@@ -363,7 +367,7 @@ def _voyage(
         plan,
         off,
         turning,
-        tuple(replace(w, name=route.called(w.waypoint)) for w in run.wheel_overs),
+        done,
         limits_left(plan, route, t, off, on),
         arrived,
         tuple(told),

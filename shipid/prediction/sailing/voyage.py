@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.routes.route import Route
@@ -41,6 +42,8 @@ class WheelOverDone(ResultEntry):
         Change of course in rad, positive to starboard.
     rudder_limit : float
         In rad.
+    late : bool
+        Whether the place for it was passed when the leg began: the turn takes more of the leg before it than there is.
     """
 
     UNITS: ClassVar[Mapping[str, str]] = {"t": "s", "before": "m", "change": "rad", "rudder_limit": "rad"}
@@ -51,13 +54,13 @@ class WheelOverDone(ResultEntry):
     before: float
     change: float
     rudder_limit: float
+    late: bool = False
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI."""
         units = {"t": "s", "before": "m", "change": "rad", "rudder_limit": "rad"}
-        return {"waypoint": self.waypoint + 1, "name": self.name} | {
-            n: {"value": getattr(self, n), "unit": u} for n, u in units.items()
-        }
+        found: dict[str, Plain] = {"waypoint": self.waypoint + 1, "name": self.name, "late": self.late}
+        return found | {n: {"value": getattr(self, n), "unit": u} for n, u in units.items()}
 
 
 @dataclass(frozen=True, repr=False)
@@ -208,12 +211,33 @@ def not_followed(lengths: np.ndarray, route: Route, to: np.ndarray) -> list[Noti
         return []
     return [
         Notice(
-            f"the ship is up to {most:.2g} ship lengths off the track, on the way to {route.called(int(to[worst]))}: the turns of the route "
+            f"the ship is up to {brief(most, 2)} ship lengths off the track, on the way to {route.called(int(to[worst]))}: the turns of the route "
             "are tighter, or closer together, than she sails them here.",
             "route-not-followed",
             serious=True,
             ship_lengths=most,
         )
+    ]
+
+
+def too_late(done: Sequence[WheelOverDone]) -> list[Notice]:
+    """Return what has to be said of turns that begin too late, since the legs before them are too short.
+
+    Parameters
+    ----------
+    done : sequence of WheelOverDone
+        Of a voyage, with their names.
+    """
+    return [
+        Notice(
+            f"the wheel goes over to the turn at {w.name} {'at the start' if w.t == 0 else f'{w.t:.0f} s after the start'}, and that is late: "
+            f"with {shown(w.rudder_limit, 'delta', digits=2)} of rudder her turn takes more of the leg before it than there is. Allow more rudder, "
+            "or lengthen the leg.",
+            "wheel-over-late",
+            waypoint=w.waypoint + 1,
+        )
+        for w in done
+        if w.late
     ]
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.prediction.situations.situation import PastErrors, Situation
 
 #: Independent predictions that the band itself counts as: it is not given up for a few that went wrong.
@@ -115,7 +116,9 @@ def told_of(errors: PastErrors) -> list[Notice]:
         ]
     if widest <= 1 + _TOLD:
         return lost
-    wider = " and ".join(f"the {n} is up to {factor:.2g} times" for n, factor in bands.items() if factor > 1 + _TOLD)
+    wider = " and ".join(
+        f"the {n} is up to {brief(factor, 2)} times" for n, factor in bands.items() if factor > 1 + _TOLD
+    )
     return [
         *lost,
         Notice(

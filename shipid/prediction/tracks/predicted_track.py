@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import NORMAL_95
 from shipid.prediction.tracks.order import Order
@@ -197,5 +198,5 @@ class PredictedTrack(DrawnResult):
         """Return the result in lines of text."""
         end = f", then {self.ended}" if self.ended else ""
         width = self.half_width
-        band = "" if width is None else f", 95 % band {width[-1]:.3g} m to each side at its end"
-        return f"track predicted by {self.source}: {self.order}; {self.s_star[-1]:.3g} ship lengths, {self.t[-1]:.3g} s{band}{end}"
+        band = "" if width is None else f", 95 % band {brief(width[-1], 3)} m to each side at its end"
+        return f"track predicted by {self.source}: {self.order}; {brief(self.s_star[-1], 3)} ship lengths, {brief(self.t[-1], 3)} s{band}{end}"

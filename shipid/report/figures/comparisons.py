@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shipid.criteria.criteria import Criterion, CriterionSide
+from shipid.foundation.numbers import brief
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.figures.runaway import good_samples
 from shipid.report.figures.svg import (
@@ -121,7 +122,7 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
     scales = "equal scales"
     if slim:
         stretched, by = ("north", wide * flat / tall) if wide > tall else ("east", tall / (wide * flat))
-        scales = f"{stretched} stretched {by:.2g} times"
+        scales = f"{stretched} stretched {brief(by, 2)} times"
     else:
         across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
     note = f"Track, north up, {scales}."

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import percent, quantity
+from shipid.foundation.numbers import given, percent, quantity
 from shipid.foundation.result import DrawnResult, ResultEntry, table
 
 if TYPE_CHECKING:
@@ -144,11 +144,22 @@ class Finding(ResultEntry):
             "repaired": self.repaired,
         }
 
+    @property
+    def when(self) -> str:
+        """Where in the record it lies by the clock: ``140 s``, ``45 to 278.8 s``."""
+        first, last = (given(s).replace("−", "-") for s in self.seconds)
+        return f"{first} s" if first == last else f"{first} to {last} s"
+
+    @property
+    def in_rows(self) -> str:
+        """Where in the record it lies by its rows: ``row 700``, ``rows 225-1394``."""
+        first, last = self.rows
+        return f"row {first}" if first == last else f"rows {first}-{last}"
+
     def __str__(self) -> str:
         state = ", put right by the format file" if self.handled else ""
         head = f"{self.kind} ({self.channel}, {percent(self.confidence)}{state})"
-        where = f"rows {self.rows[0]}-{self.rows[1]}, {self.seconds[0]:.6g} to {self.seconds[1]:.6g} s"
-        return f"{head}: {self.message} [{where}]\n    effect: {self.effect}\n    repair: {self.repair}"
+        return f"{head}: {self.message} [{self.in_rows}, {self.when}]\n    effect: {self.effect}\n    repair: {self.repair}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -88,9 +88,7 @@ def fix_trial(
     fixed = Trial(record.title, table, Source(path=source.path), record.ship, {c: copy.unit(c) for c in extra})
     lines = ["Simulated; repaired by shipid check --fix"] if source.simulated else ["Repaired by shipid check --fix"]
     lines[0] += f" from {Path(source.path).name if source.path else record.name}"
-    lines += [
-        f"repaired: {f.kind} ({f.channel}), rows {f.rows[0]}-{f.rows[1]}: {f.message}. {f.repair}" for f in repaired
-    ]
+    lines += [f"repaired: {f.kind} ({f.channel}), {f.in_rows}: {f.message}. {f.repair}" for f in repaired]
     lines += [f"remains: {f.kind} ({f.channel}): {f.message}" for f in remaining]
     lines += [f"rows: {len(record)} read, {len(table)} written", *(f"rows: {part}" for part in copy.left_out)]
     lines += source.comment.splitlines()

@@ -11,6 +11,7 @@ import pandas as pd
 
 from shipid.foundation.errors import MissingExtraError, UsageError
 from shipid.foundation.replacing import check_place, replacing
+from shipid.foundation.result import csv_of, rested
 from shipid.trials.source import origin_in, origin_words
 from shipid.trials.trial import Trial
 
@@ -65,12 +66,11 @@ def write_trial(
     frame = trial.to_frame(units)
     if Path(path).suffix.lower() not in (".parquet", ".pq"):
         with text_file(trial, path, overwrite, comment) as file:
-            # A zero has no sign.
-            (frame + 0.0).to_csv(file, index=False, lineterminator="\n")
+            file.write(csv_of(frame))
         return Path(path)
     check_place(Path(path), overwrite)
     with replacing(Path(path), overwrite) as temporary:
-        _parquet(frame, temporary, _comment_of(trial) if comment is None else comment)
+        _parquet(rested(frame), temporary, _comment_of(trial) if comment is None else comment)
     return Path(path)
 
 

@@ -124,7 +124,13 @@ def parse_manoeuvre(text: str) -> Manoeuvre:
 
 
 def plan(
-    manoeuvre: Manoeuvre, unit_time: float, course: float, limit: float, seed: int, duration: float | None = None
+    manoeuvre: Manoeuvre,
+    unit_time: float,
+    course: float,
+    limit: float,
+    seed: int,
+    duration: float | None = None,
+    rate: float | None = None,
 ) -> PlannedManoeuvre:
     """Work a manoeuvre out for a ship.
 
@@ -143,12 +149,14 @@ def plan(
     duration : float, optional
         In s; by default long enough for five executes, a full circle with pull-out, or all steps. The stages of a direct spiral share
         the one that is stated.
+    rate : float, optional
+        What the rudder of the ship turns in rad/s: no order of the random telegraph stands shorter than the rudder takes to follow it.
 
     Returns
     -------
     PlannedManoeuvre
     """
-    asked = _Asked(manoeuvre.numbers, manoeuvre.approach * unit_time, unit_time, course, limit, seed, duration)
+    asked = _Asked(manoeuvre.numbers, manoeuvre.approach * unit_time, unit_time, course, limit, seed, duration, rate)
     return _PLANS[manoeuvre.kind](asked)
 
 
@@ -176,6 +184,7 @@ class _Asked:
     limit: float
     seed: int
     duration: float | None
+    rate: float | None = None
 
     def second(self, otherwise: float) -> float:
         """Return the second number of the manoeuvre, which may be left out."""
@@ -231,8 +240,10 @@ def _course(asked: _Asked) -> PlannedManoeuvre:
 def _telegraph(asked: _Asked) -> PlannedManoeuvre:
     length = asked.duration or asked.start + 40 * asked.unit
     rng = np.random.default_rng([asked.seed, 1])
-    # Exponential holding times with a mean of 2 L/U, but long enough for the rudder to arrive.
-    holds = np.maximum(rng.exponential(2 * asked.unit, size=int(length / asked.unit) + 2), 0.3 * asked.unit)
+    # Exponential holding times with a mean of 2 L/U, but long enough for the rudder to arrive from the other side.
+    swing = 2 * abs(asked.numbers[0]) / asked.rate if asked.rate else 0.0
+    least = max(0.3 * asked.unit, swing)
+    holds = np.maximum(rng.exponential(2 * asked.unit, size=int(length / asked.unit) + 2), least)
     levels = np.where(np.arange(holds.size) % 2 == 0, asked.numbers[0], -asked.numbers[0])
     begins = asked.start + np.concatenate([[0.0], np.cumsum(holds)[:-1]])
     return PlannedManoeuvre(ScheduledOrder, {}, length, [(0.0, 0.0), *zip(begins.tolist(), levels.tolist())])

@@ -14,12 +14,13 @@ from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
+from shipid.foundation.errors import ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.numbers import brief
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.held_inputs import hold_inputs
-from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.parameter_set import ParameterSet, lacks_length, lacks_speed, missing_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
@@ -142,7 +143,7 @@ def simulate(
     seconds = None if duration is None else number(duration, "s", "the duration")
     if seconds is not None and not 0 < seconds < np.inf:
         raise UsageError(f"a manoeuvre of {seconds:g} s is none: give a duration greater than zero.")
-    planned = plan(manoeuvre, unit_time, course, limit, seed, seconds)
+    planned = plan(manoeuvre, unit_time, course, limit, seed, seconds, ship.particular("delta_rate", "rad/s"))
     interval = usual_interval_of(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
     if not 0 < interval < planned.duration:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
@@ -160,7 +161,7 @@ def simulate(
     fine = steps_of_helm(interval, unit_time)
     if planned.duration / interval * fine > _MOST_STEPS:
         raise UsageError(
-            f"{manoeuvre} for {planned.duration:.3g} s at {interval:.3g} s takes more than {_MOST_STEPS:.0e} steps. "
+            f"{manoeuvre} for {brief(planned.duration, 3)} s at {brief(interval, 3)} s takes more than {_MOST_STEPS:.0e} steps. "
             "Ask for a shorter duration."
         )
     count = round(planned.duration / interval) + 1
@@ -190,7 +191,7 @@ def simulate(
         if run.departure.time == 0:
             remedy = "No manoeuvre is within its range so: state another value of the ship, another speed or input, or take another model."
         raise NotSailedError(
-            f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
+            f"{manoeuvre} of ship {ship.name} at {brief(u0, 3)} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
             f"{run.departure.time:.4g} s after the start. {remedy}"
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
@@ -222,7 +223,7 @@ def _speed(ship: ParameterSet, speed: str | float | None) -> float:
     own = ship.particular("speed", "m/s")
     u0 = own if speed is None else number(speed, "m/s", "the speed")
     if u0 is None:
-        raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '9 kn'.")
+        raise lacks_speed(ship, "--speed '9 kn'")
     if not u0 > 0:
         raise UsageError(f"a speed of {u0:g} m/s does not steer a ship: give one greater than zero.")
     return u0
@@ -231,9 +232,7 @@ def _speed(ship: ParameterSet, speed: str | float | None) -> float:
 def _length(ship: ParameterSet) -> float:
     length = ship.particular("L", "m")
     if length is None or length <= 0:
-        raise ParameterSetError(
-            f"ship {ship.name} has no length L greater than zero, which sets the pace of a manoeuvre."
-        )
+        raise lacks_length(ship, "which sets the pace of a manoeuvre")
     return length
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -101,7 +102,7 @@ def measure(
     faults = faults_of(trial, diagnosis)
     _check_clock(trial, faults)
     if manoeuvre is None and kind in (None, "spiral") and is_spiral(trial, faults):
-        return measure_spiral(trial, execute, metres, faults)
+        return replace(measure_spiral(trial, execute, metres, faults), record=trial)
     part = trial
     if manoeuvre is not None or kind not in ("spiral", "pull-out"):
         part = chosen(trial, manoeuvres_in(trial, faults.diagnosis), manoeuvre, kind)
@@ -114,7 +115,7 @@ def measure(
             f"trial '{trial.name}' is no zig-zag: {measured.doubt}. {propeller_words(trial)} Choose the window of the manoeuvre "
             "(FILE@start:end), or state its kind.".replace("  ", " ")
         )
-    return measured
+    return replace(measured, record=part)
 
 
 def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:

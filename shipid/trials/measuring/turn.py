@@ -8,6 +8,8 @@ from math import pi
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import brief
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.current import drift_of, still_water
 from shipid.trials.measuring.faults import Faults
@@ -141,7 +143,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             )
             quarters[k - 1] = None
     moving = speed_channel(trial, faults.wrong)
-    found: dict[str, float | None] = {}
+    found: dict[str, Plain] = {}
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
     late, beside = turn_setting_out(steering, side, when), {}
@@ -286,7 +288,7 @@ def _unsteady(moving: Channel, when: float, calm: float, way: float, approach: f
         return []
     verb = "rose" if slope > 0 else "fell"
     return [
-        f"the speed {verb} by {abs(slope) * -t[0]:.2g} m/s in the {-t[0]:.3g} s before the order: advance, transfer and diameter are not those "
+        f"the speed {verb} by {brief(abs(slope) * -t[0], 2)} m/s in the {brief(-t[0], 3)} s before the order: advance, transfer and diameter are not those "
         "of a ship at a steady approach speed"
     ]
 
@@ -296,7 +298,9 @@ def _inexact(within: float, approach: float, advance: float | None) -> list[str]
     off = within * approach
     if advance is None or off < _INEXACT * advance:
         return []
-    return [f"the order is known to {within:.2g} s only: the advance lies within {off:.3g} m of what is stated"]
+    return [
+        f"the order is known to {brief(within, 2)} s only: the advance lies within {brief(off, 3)} m of what is stated"
+    ]
 
 
 def _released(steering: Steering, plate: Plate) -> float:

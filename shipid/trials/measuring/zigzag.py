@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.faults import Faults
@@ -326,10 +327,10 @@ def _beginning(
     reasons: dict[str, str],
     half: float,
     silent: tuple[float, float] | None,
-) -> dict[str, float | None]:
+) -> dict[str, Plain]:
     """What is measured from the first execute: approach speed, initial turning, reach."""
     names = ("approach_speed", "first_execute", "initial_turning_time", "initial_turning_distance", "reach")
-    result: dict[str, float | None] = dict.fromkeys(names)
+    result: dict[str, Plain] = dict.fromkeys(names)
     if first is None:
         for name in names:
             reasons[name] = "the record does not show the rudder setting out for its first plate"

@@ -12,6 +12,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+import shipid
 from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.open_bridge import open_bridge
 from shipid.bridge.server.clients import LONGEST_COMMAND, CommandRate, parsed_command
@@ -293,3 +294,14 @@ def test_the_address_that_is_told_can_be_opened_on_a_tablet(monkeypatch, host, r
         monkeypatch.setattr(socket, "socket", Datagrams)
         monkeypatch.setattr(socket, "getaddrinfo", lambda *a: [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (named, 0))])
         assert reached_at(listener, host) == f"{shown}:{listener.getsockname()[1]}"
+
+
+def test_a_recording_of_a_replayed_simulation_is_one(tmp_path):
+    trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:10/10", noise="standard", duration="30 s")
+    shipid.write_trial(trial, tmp_path / "made.csv")
+    settings = BridgeSettings(
+        ship="soesterberg", source=f"replay:{tmp_path / 'made.csv'}", record=tmp_path / "kept.csv"
+    )
+    with open_bridge(settings, "127.0.0.1", 0, token=None):
+        pass
+    assert (tmp_path / "kept.csv").read_text().startswith("# Simulated, not measured")

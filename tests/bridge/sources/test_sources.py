@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 import shipid
 from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.core.console import SteeringOrder
+from shipid.bridge.recorder import Recorder
 from shipid.bridge.sources import listened, signalk
 from shipid.bridge.sources.line_queue import LineQueue, SplitLines
 from shipid.bridge.sources.listened import ListenedSource
@@ -361,6 +362,22 @@ def test_signal_k_deltas_are_heard():
     assert source.take(0.8).values == {}
 
 
+def test_the_apparent_wind_of_signal_k_is_heard_and_recorded(tmp_path):
+    """It is told by where it comes from, to port below zero, and kept by where it flows to, from the bow."""
+    source = SignalKSource("ws://127.0.0.1:1/")
+    file = tmp_path / "voyage.csv"
+    recorder = Recorder(file, "x", "signalk:ws://pi", simulated=False)
+    wind = [("speedApparent", 8.0), ("angleApparent", -0.5)]
+    for k in range(12):
+        values = [{"path": f"environment.wind.{path}", "value": value} for path, value in wind]
+        source.feed(json.dumps({"updates": [{"values": [*values, {"path": "navigation.headingTrue", "value": 1.0}]}]}))
+        recorder.add(0.4 * k, source.take(0.4 * k).values)
+    recorder.close()
+    trial = shipid.read_trial(file)
+    assert trial["wind_speed_relative"] == pytest.approx(np.full(12, 8.0))
+    assert trial["wind_direction_relative"] == pytest.approx(np.full(12, math.pi - 0.5))
+
+
 def heading_at(stamp, value=1.0, **update):
     values = [{"path": "navigation.headingTrue", "value": value}]
     return json.dumps({"updates": [{"timestamp": stamp, "values": values, **update}]})
@@ -508,13 +525,15 @@ def test_a_replay_is_heard_and_ends(make_core, pilot):
     assert told["own"]["psi"] == pytest.approx(trial["psi"][k], abs=0.03) and told["time"]["state"] == "running"
     sail(core, 60)
     told = shown(core)
-    assert told["time"]["state"] == "ended" and [a["text"] for a in told["alarms"]] == ["the source has ended (replay)"]
+    assert told["time"]["state"] == "ended" and [a["text"] for a in told["alarms"]] == [
+        "the replay has ended: this is its last moment"
+    ]
     # The filter goes on, and the track of the past does not: nobody saw the ship where it takes her to be.
     sail(core, 30.0)
     count = core.past.count
     sail(core, 60.0)
     assert core.past.count == count
-    assert told["own"]["age"] > 50 and told["simulation"] is None
+    assert told["own"]["age"] > 50 and "coefficients" not in told["simulation"]
 
 
 def test_a_ship_that_runs_away_ends_the_simulation(pilot):

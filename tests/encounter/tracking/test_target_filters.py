@@ -185,6 +185,29 @@ def test_the_grid_closes_in_and_moves_out() -> None:
     assert grid([0.01, 0.04, 0.95], [-0.6, 0.0, 0.6]) == pytest.approx([-0.036, 0.564, 1.0])
 
 
+def test_the_grid_keeps_what_is_known_of_the_turn_where_it_moves() -> None:
+    """What a scan said is counted once: the turn is as probable on the moved grid as it was before."""
+    motion = motion_of("agimm")
+    most = motion.modes[2].high
+    generator = np.random.default_rng(4)
+    mu = generator.dirichlet([1.0, 2.0, 1.0], 200)
+    filters = begun(motion)
+    rows = np.zeros(200, int)
+    filters = replace(filters.select(rows), mu=mu, turn=most * np.tile([-0.7, 0.1, 0.8], (200, 1)))
+    adapted = filters.adapted()
+    assert adapted.mu.sum(axis=1) == pytest.approx(np.ones(200)) and adapted.mu.min() > 0
+
+    def moments(found: TargetFilters) -> tuple[np.ndarray, np.ndarray]:
+        mean = (found.mu * found.turn).sum(axis=1)
+        return mean, (found.mu * (found.turn - mean[:, None]) ** 2).sum(axis=1)
+
+    (mean, spread), (mean_now, spread_now) = moments(filters), moments(adapted)
+    assert mean_now == pytest.approx(mean, abs=1e-5 * most)
+    held = adapted.mu[:, 1] > 1e-5
+    assert held.mean() > 0.5 and spread_now[held] == pytest.approx(spread[held], abs=1e-5 * most**2)
+    assert np.all(spread_now <= spread + 1e-5 * most**2), "what the grid cannot hold is no wider"
+
+
 def test_a_displacement_goes_into_the_turn_within_its_bounds() -> None:
     motion = motion_of("vs-aimm")
     filters = begun(motion)

@@ -25,15 +25,26 @@ def test_two_targets_are_found_in_clutter(scene, name):
     found = track(scene(CROSSING), name)
     assert found.score is not None
     for ship in found.score.ships:
-        # Some scans go before a track is confirmed; a grid that moves with its probabilities wanders, and the bank remembers ten
-        # scans at most.
-        assert ship.held > 0.85 and ship.rmse[0] < {"alpha-beta": 9.0, "agimm": 7.0}.get(name, 5.0), ship
+        # Some scans go before a track is confirmed, and the bank remembers ten scans at most.
+        assert ship.held > 0.85 and ship.rmse[0] < {"alpha-beta": 9.0}.get(name, 5.0), ship
     if name in ("imm", "cv"):
         assert found.score.false_tracks == 0
         assert [o.status for o in found.tracks] == ["held", "held"]
         assert 1.0 < np.mean([s.nees for s in found.score.ships]) < 3.5
     json.dumps(found.to_dict(), allow_nan=False)
     assert np.isfinite(found.to_frame().to_numpy(float)).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_tracker_knows_the_course_of_a_ship_on_a_straight_leg(scene, name):
+    """Plots err by 10 m: at 7 m/s the course is known to some 5 degrees, and no ship steers 40 off."""
+    off = []
+    for seed in range(3):
+        found = track(scene([(-900.0, 400.0, 7.0, 0.0)], seed=seed, clutter=0.0, noise=10.0, scans=100), name)
+        one = max(found.tracks, key=lambda track: track.t.size)
+        off.append(np.rad2deg(np.angle(np.exp(1j * one.course[one.t > one.t[0] + 30]))))
+    errors = np.concatenate(off)
+    assert np.sqrt(np.mean(errors**2)) < 11 and np.abs(errors).max() < 35
 
 
 def test_ten_scenes_hold_their_targets_and_invent_none(scene):

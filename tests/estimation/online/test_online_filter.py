@@ -292,3 +292,10 @@ def test_none_is_a_sample_that_is_missing(setup: Any, swing: Any) -> None:
         ends.append(np.concatenate([estimate.x, estimate.std]))
     np.testing.assert_array_equal(ends[0], ends[1])
     np.testing.assert_array_equal(ends[0], ends[2])
+
+
+def test_a_filter_prints_where_it_is(setup: Any) -> None:
+    online = setup("yaw", SENSORS, **OPTIONS).kalman.start()
+    assert "before its first sample" in repr(online) and "object at" not in repr(online)
+    online.update({"t": 12.5, "psi": 0.4, "r": 0.0, "delta": 0.0})
+    assert repr(online).endswith("at 12.5 s>") and "at 12.5 s" in online._repr_html_()

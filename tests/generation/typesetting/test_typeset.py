@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import sympy
 
-from shipid import Component, derived, find_model, generate, given, join, typeset
+from shipid import Component, derived, find_model, generate, given, join, parameter, state, typeset
+from shipid.foundation.errors import UsageError
 
 T = 2.0
 
@@ -126,3 +127,27 @@ def test_a_dead_band_is_no_series() -> None:
 
     (printed,) = typeset(join("slack", Slack))
     assert printed.plain == "moved = Piecewise((0, Abs(error) < 0.05), (error, True))"
+
+
+class Tabled(Component):
+    """A rate of turn by a table of the rudder."""
+
+    r = state("rad/s", "rate of turn")
+    delta = given("rad", "rudder angle")
+    a = parameter("1/s^2", "gain", start=0.1)
+
+    @r.rate
+    def yaw(self) -> Any:
+        """Notebook, page 3."""
+        return self.a * np.interp(self.delta, [-0.5, 0.0, 0.5], [-0.4, 0.0, 0.3])
+
+
+def test_an_equation_with_a_table_is_typeset() -> None:
+    (printed,) = typeset(join("tabled", Tabled))
+    assert "interp(delta" in printed.plain and "0.3" in printed.plain and "<math" in printed.mathml
+
+
+def test_what_is_no_model_is_not_typeset() -> None:
+    for verb in (typeset, generate):
+        with pytest.raises(UsageError, match="find_model"):
+            verb("de-keizer")

@@ -102,6 +102,14 @@ def test_a_route_that_she_cannot_follow_is_told(pilot, calm):
     assert f"{-behind.before:.0f} m behind waypoint {behind.waypoint + 1}" in voyage.text()
 
 
+def test_a_turn_for_which_the_leg_before_it_is_too_short_is_told(pilot, calm):
+    assert not [w for w in calm.warnings if w.kind == "wheel-over-late"] and not any(w.late for w in calm.wheel_overs)
+    short = sail_route(pilot, tour(300.0, places=[(0.0, 0.0), (400.0, 0.0), (400.0, 6000.0)]))
+    (late,) = [w for w in short.warnings if w.kind == "wheel-over-late"]
+    assert short.wheel_overs[0].t == 0 and short.wheel_overs[0].late and late.known["waypoint"] == 2
+    assert "at the start, and that is late" in late
+
+
 def test_another_ship_sails_than_the_pilot_knows(pilot, calm):
     other = sail_route(pilot, tour(), values={"K": "1.9 1"})
     assert other.arrived and other.statistics["turns"][0] != pytest.approx(calm.statistics["turns"][0], rel=0.01)

@@ -25,3 +25,10 @@ def test_what_concerns_a_stretch_of_a_record():
         ("zigzag", 30.0, 60.0), ("steady", 60.0, 80.0), ("turn", 80.0, 90.0),
     ]  # fmt: skip
     assert whole.within(0.0, 100.0) == whole
+
+
+def test_a_finding_at_one_sample_says_one_place():
+    one = Finding("outlier", "x", (700, 700), (140.0, 140.0), 1, 0.99, "effect", "repair", "message")
+    assert (one.in_rows, one.when) == ("row 700", "140 s") and "[row 700, 140 s]" in str(one)
+    several = Finding("hole", "psi", (3, 9), (1.2, 3.6), 7, 0.99, "effect", "repair", "message")
+    assert "[rows 3-9, 1.2 to 3.6 s]" in str(several)

@@ -133,6 +133,15 @@ def test_the_telegraph_is_reproducible() -> None:
     assert set(np.round(trial["delta_order"][after] / DEG, 9)) == {-10.0, 10.0}
 
 
+def test_the_telegraph_orders_nothing_faster_than_the_rudder_can_go() -> None:
+    """At 2.5 deg/s the rudder of Soesterberg takes 14 s from 17.5 deg on one side to 17.5 on the other."""
+    for seed in range(3):
+        trial = sail("telegraph:17.5", seed=seed, sampling="1 s")
+        reversed_at = trial["t"][np.flatnonzero(np.diff(trial["delta_order"])) + 1]
+        assert reversed_at.size > 10 and np.diff(reversed_at).min() >= 14.0 - 1.0
+        assert np.abs(trial["delta"]).max() == pytest.approx(17.5 * DEG, rel=1e-6)
+
+
 @pytest.mark.parametrize("model", ["de-keizer", "nomoto", "van-leeuwen"])
 def test_a_current_shifts_the_track(model: str) -> None:
     """By current times time, to rounding: the current enters the equations of the path as a constant."""
@@ -379,3 +388,10 @@ def test_an_engine_is_recorded_where_a_sensor_shows_it() -> None:
     assert not simulate(model, "zeefakkel", "zigzag:20/20", noise="standard", **asked).has("n")
     shown = simulate(model, "zeefakkel", "zigzag:20/20", noise="psi=0.2 deg,n=0.5 rpm", **asked)
     assert np.std(shown["n"] - bare["n"]) == pytest.approx(0.5 / 60, rel=0.2)
+
+
+def test_no_ship_is_told_as_such() -> None:
+    for more in ({}, {"speed": "9 kn"}):
+        with pytest.raises(ParameterSetError, match=r"ship=.soesterberg. in Python") as told:
+            simulate("de-keizer", None, "zigzag:20/20", **more)
+        assert "unnamed" not in str(told.value)

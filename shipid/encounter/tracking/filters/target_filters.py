@@ -12,6 +12,7 @@ import numpy as np
 
 from shipid.encounter.tracking.filters.generated import SIZE, mixed, moved
 from shipid.encounter.tracking.filters.motion import Motion, moves_of
+from shipid.estimation.multiple.cycle.moves import GridMoves
 
 #: A mode is never held impossible: it could not come back.
 _LEAST = 1e-6
@@ -206,7 +207,8 @@ class TargetFilters:
             return self
         x = self.x.copy()
         turn, x[:, :, 4] = moved(moves, self.turn, self.mu, x[:, :, 4])
-        return replace(self, x=x, turn=turn)
+        mu = carried_over(moves.order, self.turn, self.mu, turn) if isinstance(moves, GridMoves) else self.mu
+        return replace(self, x=x, turn=turn, mu=mu)
 
     def combined(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the estimates over all modes.
@@ -227,6 +229,40 @@ class TargetFilters:
         if self.motion.turn == "curvature":
             turn = turn * np.hypot(self.x[:, :, 2], self.x[:, :, 3])
         return np.asarray((self.mu * turn).sum(axis=1))
+
+
+def carried_over(order: tuple[int, int, int], turn: np.ndarray, mu: np.ndarray, now: np.ndarray) -> np.ndarray:
+    """Return the mode probabilities on a grid that has moved: mean and variance of the turn stay as they were.
+
+    The published grid (`shipid.estimation.multiple.cycle.moves.GridMoves`) keeps the probabilities. What one scan says of the turn is
+    then counted again at the next: the grid has moved by it, and the same probabilities move it once more. A fast aircraft contradicts
+    that within a scan; the plots of a ship do not, and her grid wandered off a straight leg.
+
+    Parameters
+    ----------
+    order : tuple of int
+        The upper, the middle and the lower mode.
+    turn, mu : ndarray, shape (n, 3)
+        Turns and probabilities before the grid moved; its middle has moved to their mean.
+    now : ndarray, shape (n, 3)
+        Turns after it.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        A spread of turns that the grid cannot hold is the widest that it can.
+    """
+    upper, middle, lower = order
+    mean = now[:, middle]
+    variance = (mu * (turn - mean[:, None]) ** 2).sum(axis=1)
+    above, below = now[:, upper] - mean, mean - now[:, lower]
+    shares = np.stack([above * (above + below), below * (above + below)])
+    shares = np.where(shares > 0, variance / np.where(shares > 0, shares, 1.0), 0.0)
+    shares = np.maximum(shares / np.maximum(shares.sum(axis=0), 1.0), _LEAST)
+    found = np.empty_like(mu)
+    found[:, upper], found[:, lower] = shares
+    found[:, middle] = np.maximum(1.0 - shares.sum(axis=0), _LEAST)
+    return np.asarray(found / found.sum(axis=1, keepdims=True))
 
 
 def first_spread(R: np.ndarray, delay: np.ndarray, speed: float) -> np.ndarray:

@@ -119,7 +119,7 @@ def _finding(f: Finding) -> Row:
         "verdict": spoils,
         "class": "beyond" if f.serious else "",
         "sure": f"{100 * f.confidence:.0f} %",
-        "where": f"{given(f.seconds[0])} to {given(f.seconds[1])} s",
+        "where": f.when,
         "message": f.message,
         "effect": sentence(f.effect),
         "repair": sentence(f.repair),

@@ -6,7 +6,7 @@ import numpy as np
 
 from shipid.declaration.units import pretty
 from shipid.estimation.estimate import Estimate
-from shipid.foundation.numbers import fixed, given, interval, number, uncertain
+from shipid.foundation.numbers import brief, fixed, given, interval, number, uncertain
 from shipid.identification.fit import Fit
 from shipid.parameters.parameter_set import PARTICULARS
 from shipid.report.page import Row, Section
@@ -64,7 +64,7 @@ def correlation_section(fit: Fit) -> Section:
         "directions": [
             {
                 "names": ", ".join(d.parameters),
-                "spread": "open" if d.relative_std is None else f"±{100 * d.relative_std:.2g} %",
+                "spread": "open" if d.relative_std is None else f"±{brief(100 * d.relative_std, 2)} %",
                 "words": d.words,
             }
             for d in (fit.assessment.directions if fit.assessment else ())

@@ -125,7 +125,7 @@ def _forecast(plan: Plan, f: Forecast) -> Row:
         "named": named(plan.model, f.name),
         "value": with_unit(given(float(f"{f.value:.4g}")) if f.std is None else uncertain(f.value, f.std), f.unit),
         "standard": "stays open" if f.standard_std is None else with_unit(spread(f.value, f.standard_std), f.unit),
-        "gain": "" if f.ratio is None else number(f.ratio, 2),
+        "gain": "" if f.ratio is None else number(f.ratio, 3),
         "determined": f.std is not None,
         "meaning": f.meaning,
     }

@@ -10,12 +10,14 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.criteria.measured.sheet import QUARTERS, SheetManoeuvre, TrialSheet, rudder_of
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import to_display
+from shipid.foundation.notices import notice_of
 from shipid.foundation.numbers import fixed, given, number, uncertain
 from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
 from shipid.trials.measuring.results.measures import Measures, measured
 from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.trial import Trial
 
 _GROUPS = (
     ("ship", "The ship"), ("loading", "Loading"), ("surroundings", "Place and surroundings"), ("trial", "The trial"),
@@ -74,6 +76,26 @@ def sheet_page(sheet: TrialSheet) -> Page:
     )
 
 
+def measures_page(measures: Measures) -> Page:
+    """Return the page of one manoeuvre: its plot and its numbers.
+
+    Parameters
+    ----------
+    measures : Measures
+        The manoeuvre, as it was measured.
+    """
+    shown = _numbers(measures, measures.record, measures.title, None, "m1")
+    view = {"manoeuvres": [shown], "meanings": sorted(f"{r['name']}: {r['meaning']}" for r in _single(measures))}
+    serious = [sentence(note) for note in map(notice_of, measures.notes) if note.serious]
+    return Page(
+        f"{sentence(measures.title)} in trial {measures.trial}",
+        [],
+        [Section("Manoeuvres", "sheet/manoeuvres.html", view)],
+        warnings=serious,
+        footer=f"shipid {shipid.__version__}",
+    )
+
+
 def _answer(sheet: TrialSheet) -> Iterator[str]:
     when = sheet.conditions.shown("date")
     yield sentence(f"{count(len(sheet.manoeuvres), 'manoeuvre')} measured{f', {when}' if when else ''}.")
@@ -113,15 +135,18 @@ def _limit_row(row: MeasuredCriterion) -> Row:
 
 
 def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object]:
-    measures = sailed.measures
+    return _numbers(sailed.measures, sailed.record, sailed.title, length, f"m{sailed.number}")
+
+
+def _numbers(measures: Measures, record: Trial | None, title: str, length: float | None, key: str) -> dict[str, object]:
     rows, said = _told_once(list(_single(measures)))
     return {
-        "title": sailed.title,
+        "title": title,
         "trial": measures.trial,
-        "simulated": sailed.record.source.simulated,
+        "simulated": record is not None and record.source.simulated,
         "read_from": measures.read_from,
         "caption": _CAPTIONS.get(type(measures).__name__, "The manoeuvre as it was measured."),
-        "figure": manoeuvre_figure(measures, sailed.record, length, f"m{sailed.number}"),
+        "figure": None if record is None else manoeuvre_figure(measures, record, length, key),
         "columns": _NUMBERS,
         "rows": rows,
         "parts": _parts(measures),

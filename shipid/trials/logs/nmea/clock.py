@@ -7,7 +7,7 @@ from datetime import UTC, date, datetime
 
 import numpy as np
 
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted
 from shipid.trials.errors import ClockError
 from shipid.trials.logs.clocks.course import over_summer_time
 from shipid.trials.logs.nmea.errors import NoTimeError
@@ -295,7 +295,7 @@ def _by_utc(log: NmeaLog, origin: Origin) -> tuple[np.ndarray, bool, list[str]]:
     for before in np.flatnonzero(step > limit):
         times[order[before] + 1 : order[before + 1]] = np.nan
     if (step > limit).any():
-        notes.append(f"Between sentences of UTC more than {limit:.3g} s apart no time is known.")
+        notes.append(f"Between sentences of UTC more than {brief(limit, 3)} s apart no time is known.")
     if not dated:
         times, dated, more = _with_date(log, times)
         notes += more

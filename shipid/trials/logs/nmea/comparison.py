@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.sources import SignalSource
 
@@ -50,17 +51,17 @@ def compared(taken: SignalSource, other: SignalSource) -> str:
     str
         Its rate, and where they tell it the delay and the distance: ``10 a second, 8.9 s later``.
     """
-    words = [f"{1 / other.interval:.3g} a second"]
+    words = [f"{brief(1 / other.interval, 3)} a second"]
     step = max(taken.interval, other.interval, 0.05)
     begin, end = max(taken.t[0], other.t[0]), min(taken.t[-1], other.t[-1])
     last = min(end, begin + _MOST * step)
     t = np.arange(begin, last, step)
     if last < end:
-        words.append(f"compared over the first {(last - begin) / 3600:.2g} h")
+        words.append(f"compared over the first {brief((last - begin) / 3600, 2)} h")
     if taken.fields[0] == "lat":
         if t.size:
             apart = np.hypot(*(_metres(taken, other, t)))
-            words.append(f"{float(np.median(apart)):.2g} m away")
+            words.append(f"{brief(float(np.median(apart)), 2)} m away")
         return ", ".join(words)
     if t.size < _FEWEST or len(taken.fields) > 1 or len(other.fields) > 1:
         return ", ".join(words)
@@ -74,10 +75,10 @@ def compared(taken: SignalSource, other: SignalSource) -> str:
     if likeness >= _UNLIKE:
         if abs(delay) >= 2 * step and 1 - likeness < _BETTER * (1 - without):
             near, far = sorted((abs(first), abs(last)))
-            known = f"{abs(delay):.2g}" if far - near < 0.2 * abs(delay) else f"{near:.2g} to {far:.2g}"
+            known = brief(abs(delay), 2) if far - near < 0.2 * abs(delay) else f"{brief(near, 2)} to {brief(far, 2)}"
             words.append(f"{known} s {'later' if delay > 0 else 'earlier'}")
     else:
-        words.append(f"does not show the same: correlation {likeness:.2g} at best")
+        words.append(f"does not show the same: correlation {brief(likeness, 2)} at best")
     return ", ".join(words)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted
 from shipid.trials.filling import GAP
 
 TOGETHER = 0.02
@@ -79,11 +79,13 @@ def united(channels: Mapping[str, Channel]) -> tuple[np.ndarray, dict[str, np.nd
         at = row[np.searchsorted(stamps, t)]
         columns[name][at] = values
         if twice := int(np.sum(np.diff(at) == 0)):
-            notes.append(f"{counted(twice, 'sample')} of {name} within {together:.2g} s of the next one left out.")
+            notes.append(
+                f"{counted(twice, 'sample')} of {name} within {brief(together, 2)} s of the next one left out."
+            )
     if any(np.isnan(column).any() for column in columns.values()):
         notes.insert(
             0,
-            f"Each signal keeps its own clock: a row is a stamp of any of them (stamps within {together:.2g} s are one), and a "
+            f"Each signal keeps its own clock: a row is a stamp of any of them (stamps within {brief(together, 2)} s are one), and a "
             "signal is missing where it has no sample.",
         )
     return stamps[first], columns, notes
@@ -132,7 +134,7 @@ def resample(
         else:
             notes.append(
                 f"WARNING: {name} was left out: it is known for {100 * share:.0f} % of the time only (gaps of more than "
-                f"{limits[name]:.3g} s are not interpolated)."
+                f"{brief(limits[name], 3)} s are not interpolated)."
             )
     whole = np.all([known[name] for name in kept], axis=0) if grid.size else keep
     for name in kept:
@@ -140,7 +142,7 @@ def resample(
         lost = int((inside & ~known[name]).sum())
         if lost:
             notes.append(
-                f"{counted(lost, 'sample was', 'samples were')} left out because {name} has gaps of more than {limits[name]:.3g} s, which are not "
+                f"{counted(lost, 'sample was', 'samples were')} left out because {name} has gaps of more than {brief(limits[name], 3)} s, which are not "
                 "interpolated."
             )
     t = grid[whole]

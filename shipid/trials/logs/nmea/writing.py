@@ -69,15 +69,15 @@ def _fields(kind: str, v: dict[str, float], moment: datetime) -> tuple[str, ...]
         case "THS":
             return f"{round(v['psi'] * 180 / pi, 1) % 360:.1f}", "A"
         case "ROT":
-            return f"{v['r'] * 180 / pi * 60:.1f}", "A"
+            return f"{v['r'] * 180 / pi * 60:z.1f}", "A"
         case "RSA":
-            return f"{v['delta'] * 180 / pi:.1f}", "A", "", "V"
+            return f"{v['delta'] * 180 / pi:z.1f}", "A", "", "V"
         case "ROR":
-            return f"{v['delta_order'] * 180 / pi:.1f}", "A", "", "V", "B"
+            return f"{v['delta_order'] * 180 / pi:z.1f}", "A", "", "V", "B"
         case "VBW":
-            return f"{v['u'] / KNOT:.2f}", f"{v['v'] / KNOT:.2f}" if "v" in v else "", "A", "", "", "V"
+            return f"{v['u'] / KNOT:z.2f}", f"{v['v'] / KNOT:z.2f}" if "v" in v else "", "A", "", "", "V"
         case "VHW":
-            return "", "T", "", "M", f"{v['u'] / KNOT:.2f}", "N", f"{v['u'] * 3.6:.2f}", "K"
+            return "", "T", "", "M", f"{v['u'] / KNOT:z.2f}", "N", f"{v['u'] * 3.6:z.2f}", "K"
         case "GGA":
             return utc, *place, "1", "10", "0.9", "5.0", "M", "40.0", "M", "", ""
         case "GLL":

@@ -14,7 +14,8 @@ from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, notice_of, plain_notices
 from shipid.foundation.numbers import fixed
-from shipid.foundation.result import Result
+from shipid.foundation.result import DrawnResult
+from shipid.trials.trial import Trial
 
 #: From here on four digits are too few.
 _LARGE = 1e3
@@ -62,7 +63,7 @@ def words() -> Plain:
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
-class Measures(Result):
+class Measures(DrawnResult):
     """What a manoeuvre amounts to; SI inside, shown in the units of the field.
 
     Attributes
@@ -87,6 +88,8 @@ class Measures(Result):
         Why a quantity is not known, by its name; entry k of several has the name ``name[k]``, counted from 1.
     notes : tuple of str
         What has to be known beside the numbers; what the doctor found is a `Notice`, serious where it misleads them.
+    record : Trial or None
+        The part of the trial that was measured, which a plot draws.
     """
 
     kind: ClassVar[str] = "manoeuvre"
@@ -106,6 +109,7 @@ class Measures(Result):
     course: float | None = quantity("rad", "initial course")
     reasons: Mapping[str, str] = field(default_factory=dict, hash=False)
     notes: tuple[str, ...] = ()
+    record: Trial | None = field(default=None, compare=False)
 
     def quantities(self) -> Iterator[tuple[str, Plain, str, str]]:
         """Yield name, value in the unit shown (None where not reached), that unit, and meaning."""

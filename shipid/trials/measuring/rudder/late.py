@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.trials.doctor.early_rudder import early_rudder, order_answered
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.rudder.answer import answer_of_turn
@@ -92,7 +93,7 @@ def setting_out(trial: Trial, steering: Steering, orders: Sequence[float], fault
         return None
     return SettingOut(
         _seen(steering, orders, lag), lag - slack > GEAR,
-        f"the rudder sets out {lag:.3g} s after the order: {_either(lag - slack > GEAR)}",
+        f"the rudder sets out {brief(lag, 3)} s after the order: {_either(lag - slack > GEAR)}",
     )  # fmt: skip
 
 
@@ -104,8 +105,8 @@ def _by_answer(trial: Trial, steering: Steering, orders: Sequence[float]) -> Set
     doubtful = answer.delay - 0.5 * steering.channel.interval > GEAR
     return SettingOut(
         tuple(when + answer.delay for when in orders), doubtful,
-        f"the rudder angle is not logged, and by the ship's answer it sets out {answer.delay:.3g} s after the order "
-        f"({answer.earliest:.2g} to {answer.latest:.2g} s): {_either(doubtful)}", about=_ABOUT,
+        f"the rudder angle is not logged, and by the ship's answer it sets out {brief(answer.delay, 3)} s after the order "
+        f"({brief(answer.earliest, 2)} to {brief(answer.latest, 2)} s): {_either(doubtful)}", about=_ABOUT,
     )  # fmt: skip
 
 
@@ -162,7 +163,7 @@ def turn_setting_out(steering: Steering, side: int, order: float) -> SettingOut 
     return SettingOut(
         (min(after),),
         lag - slack > GEAR,
-        f"the rudder sets out {lag:.3g} s after the order: {_either(lag - slack > GEAR)}",
+        f"the rudder sets out {brief(lag, 3)} s after the order: {_either(lag - slack > GEAR)}",
     )
 
 
@@ -185,7 +186,7 @@ def turn_by_clock(steering: Steering, psi: Channel, side: int, moves: float) -> 
     # An order alone is answered late: the gear takes its time.
     if answer is None or not answer.apart or (rudder.logged and answer.delay > 0):
         return None
-    span = f"{abs(answer.delay):.2g} s {'after' if answer.delay > 0 else 'before'} the rudder moves (to {answer.within:.2g} s)"
+    span = f"{brief(abs(answer.delay), 2)} s {'after' if answer.delay > 0 else 'before'} the rudder moves (to {brief(answer.within, 2)} s)"
     why = "are not on one clock" + (", or the steering gear has a dead time" if answer.delay > 0 else "")
     words = f"by its stamps the ship begins to turn {span}: rudder and heading {why}"
     return SettingOut((moves + answer.delay,), True, words, "latency", rudder.channel.name)
@@ -289,7 +290,7 @@ def late_notes(
         return [late.notice(f"counted from there the overshoots are {said} deg")]
     if unseen is None or min(unseen, GEAR) * turning < _UNSEEN:
         return []
-    seconds = "stamps that are early" if np.isinf(unseen) else f"stamps that are up to {unseen:.2g} s early"
+    seconds = "stamps that are early" if np.isinf(unseen) else f"stamps that are up to {brief(unseen, 2)} s early"
     return [
         Notice(
             f"the order is logged and no rudder angle beside it: {seconds} would not show, and every second makes the overshoots "

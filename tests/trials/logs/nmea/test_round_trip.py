@@ -182,3 +182,12 @@ def test_positions_are_written_about_the_origin_that_the_trial_states(tmp_path):
     assert back.source.origin == pytest.approx(origin, abs=1e-7)
     elsewhere = read_trial(write_nmea(stated, tmp_path / "other.nmea", origin=(0.2, 0.1)))
     assert elsewhere.source.origin == pytest.approx((0.2, 0.1), abs=1e-7)
+
+
+def test_a_zero_has_no_sign():
+    t = np.arange(0, 20.0, 1.0)
+    frame = pd.DataFrame(
+        {"t [s]": t, "psi [deg]": 10 + 0 * t, "r [deg/s]": -1e-7 + 0 * t, "delta [deg]": -0.01 + 0 * t}
+    )
+    lines = list(nmea_lines(Trial.from_frame(frame, name="still")))
+    assert any("ROT" in line for line in lines) and not [line for line in lines if "-0.0," in line]

@@ -1,4 +1,4 @@
-// The simulator's weather and the ship's own parameters, changed while she sails, so that the adaptation can be watched.
+// The clock of what is simulated or replayed; the simulator's weather and the ship's own parameters, changed while she sails, so that the adaptation can be watched.
 
 import { el, mark, put, segments } from "../dom.js";
 import { coefficient, DEG, direction, known, KNOT, plain } from "../figures.js";
@@ -44,7 +44,8 @@ export function createSimulation(model, send) {
   pause.addEventListener("click", () => order({ paused: !model.state.simulation?.paused }));
   const weather = WEATHER.map((item) => ({ ...item, ...createSlider({ ...item, give: (n) => order({ [item.key]: n * item.unit }) }) }));
   const list = el("div");
-  const section = el("section", {}, el("h2", {}, "Simulation"), el("div", { class: "pace" }, paces, pause), ...weather.map(({ box }) => box), list);
+  const title = el("h2", {}, "Simulation");
+  const section = el("section", {}, title, el("div", { class: "pace" }, paces, pause), ...weather.map(({ box }) => box), list);
   const sliders = new Map();
   const offered = new Set();
   let pace = null;
@@ -65,9 +66,11 @@ export function createSimulation(model, send) {
 
   return {
     section,
-    show({ simulation }) {
+    show({ simulation, time }) {
       section.hidden = !simulation;
       if (!simulation) return;
+      // A record that is played has a clock to be set, and nothing else.
+      put(title, time?.source === "replay" ? "Clock" : "Simulation");
       // The factor the bridge was opened with stays a choice after another was chosen.
       for (const factor of [...(simulation.clock_factors ?? []), simulation.clock_factor]) if (known(factor)) offered.add(factor);
       const factors = [...offered].sort((a, b) => a - b);

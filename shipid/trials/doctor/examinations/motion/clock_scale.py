@@ -6,6 +6,7 @@ from math import log
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.way import way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -80,13 +81,15 @@ def examine_lone_clock(p: WorkingCopy) -> None:
     turning = float(np.degrees(np.quantile(np.abs(p["psi"][apart:] - p["psi"][:-apart]) / lasts, 0.95)))
     rudder = float(np.degrees(_rate_on_ramps(p.t, p[p.rudder])))
     reach = float(np.degrees(np.ptp(np.quantile(p[p.rudder], [0.01, 0.99]))))
-    told = [f"the ship turns by {turning:.3g} deg/s"] + ([f"the rudder moves by {rudder:.3g} deg/s"] if rudder else [])
+    told = [f"the ship turns by {brief(turning, 3)} deg/s"] + (
+        [f"the rudder moves by {brief(rudder, 3)} deg/s"] if rudder else []
+    )
     fast = turning > _FASTEST_TURN or rudder > _FASTEST_RUDDER
     slow = reach > 10 and 0 < turning < _SLOWEST_TURN and rudder < _SLOWEST_RUDDER
     if p.has("x", "y"):
         moved = (p[c][apart:] - p[c][:-apart] for c in ("x", "y"))
         speed = float(np.quantile(np.hypot(*moved) / lasts, 0.5))
-        told.append(f"she makes {speed:.3g} m/s")
+        told.append(f"she makes {brief(speed, 3)} m/s")
         fast, slow = fast or speed > _FASTEST, slow or (reach > 10 and 0 < speed < _SLOWEST)
     if fast or slow:
         p.add(

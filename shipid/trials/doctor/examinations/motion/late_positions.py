@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.way import way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -49,7 +50,7 @@ def examine_late_positions(p: WorkingCopy) -> None:
     apart = abs(delay) * float(np.median(np.hypot(p["u"], p["v"])))
     p.add(
         "latency", "x,y", robust.confidence_of(abs(delay) / limit, 1, 1.6),
-        f"the positions are {abs(delay):.2g} s {late} beside the track by speeds and heading, or those of an aerial some {apart:.2g} m {side} of "
+        f"the positions are {brief(abs(delay), 2)} s {late} beside the track by speeds and heading, or those of an aerial some {brief(apart, 2)} m {side} of "
         "where u and v hold",
         "In a turn such a track is shifted: advance, transfer and every drift angle from positions come out wrong.",
         "Put the positions on the clock and the place of the speeds, or leave them out: speeds and heading give the track.",

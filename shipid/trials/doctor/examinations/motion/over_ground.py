@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.track import UNITS_OF_SPEED
 from shipid.trials.doctor.examinations.motion.way import vector_fit, way_made_good
@@ -100,14 +100,16 @@ def _late_course(p: WorkingCopy) -> np.ndarray | None:
     than = "the heading" if turning == "psi" else "the integral of r"
     limit = max(2 * usual, 2 * float(delays[1]), 1.0)
     effect = "A drift angle of course and heading is that of the delay, and a fit to COG takes it for a slower ship."
-    repair = f"Leave COG out of a fit, or shift it by {-(of_track or of_heading):.3g} s; heading and rate of turn are quicker."
+    repair = f"Leave COG out of a fit, or shift it by {brief(-(of_track or of_heading), 3)} s; heading and rate of turn are quicker."
     if of_track >= limit and gain > 1.1:
         also = (
-            f", and {of_heading:.2g} s after {than} (the drift of the ship is in that)" if of_heading >= limit else ""
+            f", and {brief(of_heading, 2)} s after {than} (the drift of the ship is in that)"
+            if of_heading >= limit
+            else ""
         )
         p.add(
             "latency", "COG", min(robust.confidence_of(of_track / limit, 0.8, 1.6), robust.confidence_of(gain, 1.05, 1.8)),
-            f"COG comes about {of_track:.2g} s after the course that the positions make{also}: the receiver smooths it",
+            f"COG comes about {brief(of_track, 2)} s after the course that the positions make{also}: the receiver smooths it",
             effect, repair, spoils=False,
         )  # fmt: skip
     elif heading is not None and of_heading >= limit and not p.has("x", "y"):
@@ -119,7 +121,7 @@ def _late_course(p: WorkingCopy) -> np.ndarray | None:
             ratio = max(ratio, sailed / (_LONGEST_DRIFT * p.length))
         p.add(
             "latency", "COG", min(robust.confidence_of(ratio, 1, 2), robust.confidence_of(better, 1.3, 2)) if ratio > 1 else 0.0,
-            f"COG comes about {of_heading:.2g} s after {than}, more than the drift of a ship makes: the receiver smooths it",
+            f"COG comes about {brief(of_heading, 2)} s after {than}, more than the drift of a ship makes: the receiver smooths it",
             effect, repair, spoils=False,
         )  # fmt: skip
     return None if heading is None else np.interp(p.t, t, heading)
@@ -190,7 +192,7 @@ def _speed_without_heading(p: WorkingCopy, heading: np.ndarray) -> None:
         word = "low" if scale > 1 else "high"
         p.add(
             "speed-scale", "u", min(robust.confidence_of(abs(scale - 1) / limit, 0.8, 1.8), 0.89),
-            f"the track is {scale:.3g} times as long as u says, a current of {abs(fit.flow):.2g} m/s taken off: the log reads "
+            f"the track is {brief(scale, 3)} times as long as u says, a current of {brief(abs(fit.flow), 2)} m/s taken off: the log reads "
             f"{percent(abs(1 - 1 / scale))} {word}",
             "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its square.",
             f"Multiply u by {scale:.4g}, in a format file: scale = {scale:.4g}, where other records of the ship say the same.",

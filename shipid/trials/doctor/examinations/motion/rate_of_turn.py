@@ -7,7 +7,7 @@ from math import log, pi
 import numpy as np
 
 from shipid.declaration.vocabulary import shown
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.clock_scale import examine_clock_scale
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -304,7 +304,7 @@ def examine_lag(p: WorkingCopy) -> None:
         which = "behind" if lag > 0 else "ahead of"
         p.add(
             "latency", "r", robust.confidence_of(abs(lag) / limit, 1, 2.5),
-            f"r runs {abs(lag):.3g} s ({abs(lag) / dt:.1f} samples) {which} the slope of the heading",
+            f"r runs {brief(abs(lag), 3)} s ({abs(lag) / dt:.1f} samples) {which} the slope of the heading",
             "The delay is taken for a slower ship: time constants come out wrong by about as much.",
             f"Shift r by {-lag:+.3g} s.", fix={"action": "shift", "column": "r", "seconds": lag}, spoils=abs(lag) > 2 * dt,
         )  # fmt: skip

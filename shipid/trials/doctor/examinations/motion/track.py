@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.way import Way, vector_fit, way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -286,7 +286,7 @@ def _scale(p: WorkingCopy, way: Way, fit: _Fit, lengths: _Fit) -> None:
         to = angle(float(np.arctan2(fit.flow[1], fit.flow[0])) % (2 * np.pi), 3)
         p.add(
             "track-inconsistent", "x,y," + names, robust.confidence_of(current / flow_limit, 1, 2.5),
-            f"the positions drift by {current:.3g} m/s to {to} against the speeds: a current, or a log that is off",
+            f"the positions drift by {brief(current, 3)} m/s to {to} against the speeds: a current, or a log that is off",
             "Speeds through the water and over the ground differ: advance and tactical diameter from positions are those "
             "of ship and current together.",
             "State the current, or fit heading, rate and speed and leave the positions out.", spoils=False,
@@ -297,7 +297,7 @@ def _scale(p: WorkingCopy, way: Way, fit: _Fit, lengths: _Fit) -> None:
     if not ground and fit.sigma > 12 * (rough + grid) and fit.sigma > 0.1 * mean * float(np.ptp(p.t)) / 80:
         p.add(
             "track-inconsistent", "x,y," + names, robust.confidence_of(fit.sigma / (rough + grid), 12, 40),
-            f"positions and speeds disagree by {fit.sigma:.3g} m from block to block, far beyond their noise",
+            f"positions and speeds disagree by {brief(fit.sigma, 3)} m from block to block, far beyond their noise",
             "One of the two is wrong; a fit to both describes neither.",
             "Find out which is right, and leave the other out.", spoils=False,
         )  # fmt: skip
@@ -360,9 +360,7 @@ def _ground_speed(p: WorkingCopy, way: Way, names: str, lengths: _Fit) -> None:
     found = vector_fit(way, ahead)
     drift = ""
     if found is not None and abs(found.flow) > 5 * found.flow_std and abs(found.flow) < _STRONGEST * abs(found.factor):
-        drift = (
-            f": a current of about {abs(found.flow):.2g} m/s to {angle(float(np.angle(found.flow)) % (2 * np.pi), 3)}"
-        )
+        drift = f": a current of about {brief(abs(found.flow), 2)} m/s to {angle(float(np.angle(found.flow)) % (2 * np.pi), 3)}"
     p.add(
         "ground-speed", names, robust.confidence_of(lengths.std and 2.0, 0.5, 2.5),
         f"{names} follow the length of the track and not the way ahead: the speed over ground, and the ship is set off its heading"

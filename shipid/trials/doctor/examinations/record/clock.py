@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from shipid.foundation.numbers import counted, percent
+from shipid.foundation.numbers import brief, counted, percent
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.record.clock_set import examine_clock_set
@@ -174,7 +174,7 @@ def _jitter(p: WorkingCopy) -> None:
     if smoother[0] > _SMOOTHER:
         p.add(
             "clock-jitter", "t", robust.confidence_of(smoother[0], 1.1, 1.8),
-            f"the stamps scatter by {scatter:.2g} s about a clock that ticks every {interval:.4g} s, and {smoother[1]} is {smoother[0]:.2g} times "
+            f"the stamps scatter by {brief(scatter, 2)} s about a clock that ticks every {interval:.4g} s, and {smoother[1]} is {brief(smoother[0], 2)} times "
             "as smooth by that clock",
             f"{_WRONG_RATES} A heading is off by the rate of turn times the scatter.",
             f"Rebuild the clock as n × {interval:.6g} s; in a format file: [clock] interval = '{interval:.6g} s'.",

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from shipid.declaration.vocabulary import angle, shown
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -41,7 +41,7 @@ def examine_resampling(p: WorkingCopy) -> None:
         f"{percent(share)} of the samples of {worst} were not measured: they lie on a line between two others, or repeat one",
         "There is less information than samples: intervals come out too narrow by the square root of the ratio, and "
         "corners of the interpolation look like accelerations.",
-        f"Keep about one sample in {1 / (1 - share):.2g}, or weigh the record by the number of samples that were measured.", spoils=False,
+        f"Keep about one sample in {brief(1 / (1 - share), 2)}, or weigh the record by the number of samples that were measured.", spoils=False,
     )  # fmt: skip
 
 
@@ -147,7 +147,7 @@ def _coarse(p: WorkingCopy, name: str, reach: float) -> None:
     if share > (0.004 if still < 0.6 else 0.0015):
         p.add(
             "quantised", name, min(robust.confidence_of(still, 0.25, 0.7), robust.confidence_of(share, 0.0015, 0.006)),
-            f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {percent(still)} of the samples",
+            f"{name} comes in steps of {brief(100 * share, 2)} % of its range and stands still at {percent(still)} of the samples",
             "The error is no white noise: differences are zero or far too large, and so is what is derived from them; "
             "weights from the residuals come out too large.",
             f"Take {name} from other channels where they give it, and derive nothing from its differences.",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.filtered import (
     damping,
@@ -161,10 +161,10 @@ def examine_delay(p: WorkingCopy) -> None:
     ordered = p.found("order-not-feedback") or name == "delta_order"
     p.add(
         "latency", name, min(sure, robust.confidence_of(answer.delay / limit, 0.9, 1.5)),
-        f"the rudder is logged about {answer.delay:.3g} s before it acts (the ship's answer is explained {answer.gain:.3g} times "
+        f"the rudder is logged about {brief(answer.delay, 3)} s before it acts (the ship's answer is explained {brief(answer.gain, 3)} times "
         "as well with it that much later): the rudder is early, it is an order, or heading and rate are late",
         "The delay is taken for a slower ship: the time constant comes out too long by about as much, the gain with it.",
-        f"Identify with a dead time (-delay after the name of the model, about {answer.delay:.3g} s) or a lag (-lag), or find the "
+        f"Identify with a dead time (-delay after the name of the model, about {brief(answer.delay, 3)} s) or a lag (-lag), or find the "
         f"clock of the rudder; shift delta by {answer.delay:+.3g} s if it is the rudder that is early.",
         spoils=not ordered and share > 0.02,
     )  # fmt: skip
@@ -179,7 +179,7 @@ def _rudder_late(p: WorkingCopy, name: str, answer: Answer, limit: float) -> Non
     )
     applied = p.add(
         "latency", name, confidence if precise else min(confidence, 0.89),
-        f"the rudder moves about {late:.3g} s after the ship has answered it",
+        f"the rudder moves about {brief(late, 3)} s after the ship has answered it",
         "The delay is taken for a quicker ship: time constants come out wrong by about as much.",
         f"Shift the rudder by {answer.delay:+.3g} s.", fix={"action": "shift", "column": name, "seconds": answer.delay},
     )  # fmt: skip

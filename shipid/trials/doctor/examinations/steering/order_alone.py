@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.numbers import brief
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.filtered import (
     damping,
@@ -146,8 +147,8 @@ def examine_order_alone(p: WorkingCopy) -> bool:
     gear = "" if np.isinf(answer.rate) else f", at {angle(answer.rate, 2)}/s"
     p.add(
         "order-early", name, robust.confidence_of(answer.earliest / GEAR, 0.5, 2.0),
-        f"the ship answers {name} as one whose rudder sets out {answer.delay:.3g} s after it ({answer.earliest:.2g} to "
-        f"{answer.latest:.2g} s{gear}): the steering gear has a dead time, the order is stamped early, or heading and rate are late",
+        f"the ship answers {name} as one whose rudder sets out {brief(answer.delay, 3)} s after it ({brief(answer.earliest, 2)} to "
+        f"{brief(answer.latest, 2)} s{gear}): the steering gear has a dead time, the order is stamped early, or heading and rate are late",
         "Overshoots counted from the order are too large, by the heading turned in that time, if the stamps are wrong; the time is taken "
         "for the ship's where a model is steered by the order.",
         f"Find out which it is; shift {name} by {answer.delay:+.3g} s if its stamps are early.",
