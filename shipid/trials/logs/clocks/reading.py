@@ -12,13 +12,24 @@ from shipid.trials import columns as headers
 from shipid.trials.errors import ClockError, TrialError
 from shipid.trials.logs.clocks import course
 from shipid.trials.logs.clocks.calendar import DAY
-from shipid.trials.logs.clocks.headers import find_clock, is_number, short, unit_of_time
+from shipid.trials.logs.clocks.headers import NAMES, find_clock, is_number, short, unit_of_time
 from shipid.trials.logs.clocks.kinds import Place, Reading, by_pattern, joined, of_numbers, of_stamps, of_text, texts_of
-from shipid.trials.logs.clocks.numbers import ALL_DIGITS, WEEK, epoch_in, layout_of_numbers, read_numbers
+from shipid.trials.logs.clocks.numbers import (
+    ALL_DIGITS,
+    DAYS_OF_YEAR,
+    IN_WEEK,
+    WEEK,
+    epoch_in,
+    layout_of_numbers,
+    read_numbers,
+)
 from shipid.trials.logs.clocks.parts import of_parts, with_thousandths
 from shipid.trials.logs.clocks.settings import DATE_ORDERS, TIMES, ClockFormat, moment_text
 
 _WEEK_UNITS = {1.0: "gps week s", 1e-3: "gps week ms"}
+_YEAR = 367.0
+#: Samples nearer to each other than this are none of seconds [s]: 10 kHz.
+_SHORTEST = 1e-4
 _EPOCH_UNITS = {1.0: "epoch s", 1e-3: "epoch ms", 1e-6: "epoch us", 1e-9: "epoch ns"}
 
 
@@ -164,6 +175,7 @@ def with_clock(
         table = {name: column, **{header: other for header, other in table.items() if header not in used}}
         found, others = (name,), find_clock(table)[1]
     if not found:
+        _check_days(table, where)
         return ClockedTable(dict(table))
     fraction = with_thousandths(table[found[-1]], table)
     if fraction is not None:
@@ -181,6 +193,21 @@ def with_clock(
     unit = unit_of_time(found[-1]) or ""
     main, midnight = _over_midnight(main, unit)
     return ClockedTable({headers.header("t", unit): main, **rest}, None, (*midnight, *notes))
+
+
+def _check_days(table: Mapping[str, pd.Series], where: str) -> None:
+    """Refuse days without a unit, which no name and no size tells: as seconds their samples would be microseconds apart."""
+    for header, column in table.items():
+        if short(header) not in NAMES or unit_of_time(header) is not None or not is_number(column):
+            continue
+        known = pd.to_numeric(column, errors="coerce").dropna().to_numpy(dtype=float)
+        steps = np.diff(known)
+        if known.size > 2 and known.min() > 0 and known.max() < _YEAR and 0 < float(np.median(steps)) < _SHORTEST:
+            raise ClockError(
+                f"{where}, column '{header}': from sample to sample the clock goes on by {float(np.median(steps)):.2g}, so its numbers look like "
+                f"days. Write '{header} [d]', or for days of a year layout = \"day of year\" in [clock] of a format file whose [columns.t] "
+                f"names '{header}' (shipid format drafts one)."
+            )
 
 
 def _over_midnight(column: pd.Series, unit: str) -> tuple[pd.Series, tuple[str, ...]]:
@@ -229,8 +256,10 @@ def layout_of(header: str, values: np.ndarray) -> str | None:
     if unit is None:
         return layout_of_numbers(values, short(header))
     factor = headers.to_inside("t", unit)
-    if factor in _WEEK_UNITS and ("tow" in short(header) or "timeofweek" in short(header)):
+    if factor in _WEEK_UNITS and any(word in short(header) for word in IN_WEEK):
         return _WEEK_UNITS[factor]
+    if factor == DAY and short(header) in DAYS_OF_YEAR:
+        return layout_of_numbers(values, short(header))
     if factor == DAY:
         return next((name for name in ("excel", "matlab") if epoch_in(read_numbers(values, name).seconds)), None)
     name = next((word for size, word in _EPOCH_UNITS.items() if np.isclose(size, factor, rtol=1e-9)), None)
@@ -251,9 +280,12 @@ def _running(reading: Reading, place: Place, twice: np.ndarray | None) -> Clock:
     if reading.period is not None:
         seconds, count = course.unrolled(seconds, reading.period)
         again = {DAY: "midnight", WEEK: "the end of the GPS week"}.get(reading.period, "the full hour")
+        again = "the end of the year" if reading.of_year else again
         notes += [f"The clock passes {again} {'once' if count == 1 else f'{count} times'}."] if count else []
         told = f"{origin:.3f} s of a GPS week" if reading.period == WEEK else _time_of_day(origin)
         told += " that nothing names" if reading.period == WEEK else " of a day that nothing names"
+        if reading.of_year:
+            told = f"{_time_of_day(origin)} on day {origin // DAY + 1:.0f} of a year that nothing names"
     elif reading.zone.undecided:
         told = f"{_time_of_day(origin)} of a day that is not decided"
     else:
