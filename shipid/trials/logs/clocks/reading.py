@@ -30,6 +30,8 @@ _WEEK_UNITS = {1.0: "gps week s", 1e-3: "gps week ms"}
 _YEAR = 367.0
 #: Samples nearer to each other than this are none of seconds [s]: 10 kHz.
 _SHORTEST = 1e-4
+#: Units that microcontrollers count in [s].
+_COUNTED = (1e-3, 1e-6)
 _EPOCH_UNITS = {1.0: "epoch s", 1e-3: "epoch ms", 1e-6: "epoch us", 1e-9: "epoch ns"}
 
 
@@ -211,7 +213,7 @@ def _check_days(table: Mapping[str, pd.Series], where: str) -> None:
 
 
 def _over_midnight(column: pd.Series, unit: str) -> tuple[pd.Series, tuple[str, ...]]:
-    """Let a clock of plain numbers run on that counts from midnight, and begins again there."""
+    """Let a clock of plain numbers run on that counts from midnight, or in 32 bits, and begins again there."""
     if not unit or not is_number(column):
         return column, ()
     factor = headers.to_inside("t", unit)
@@ -223,11 +225,16 @@ def _over_midnight(column: pd.Series, unit: str) -> tuple[pd.Series, tuple[str, 
         return column, ()
     near = max(60.0, 10 * float(np.median(step[step > 0])))
     before, after = seconds[at[back]], seconds[at[back + 1]]
-    if not ((before > DAY - near) & (before < DAY) & (after >= 0) & (after < near)).all():
-        return column, ()
-    running, count = course.unrolled(seconds, DAY)
-    many = "once" if count == 1 else f"{count} times"
-    return pd.Series(running / factor, index=column.index), (f"The clock passes midnight {many}.",)
+    # The counter of a microcontroller has 32 bits: its milliseconds begin again after 50 days, its microseconds after 72 minutes.
+    periods = {DAY: "The clock passes midnight", 2**32 * factor: "The counter of the clock begins again after 32 bits"}
+    for period, what in periods.items():
+        if period != DAY and factor not in _COUNTED:
+            continue
+        if ((before > period - near) & (before < period) & (after >= 0) & (after < near)).all():
+            running, count = course.unrolled(seconds, period)
+            many = "once" if count == 1 else f"{count} times"
+            return pd.Series(running / factor, index=column.index), (f"{what} {many}.",)
+    return column, ()
 
 
 def written_twice(columns: Iterable[pd.Series]) -> np.ndarray | None:

@@ -53,3 +53,14 @@ def test_seconds_of_a_gps_week(name, week):
     np.testing.assert_allclose(read.columns["t [s]"], SECONDS)
     assert list(read.columns) == ["t [s]", "psi [deg]"]
     assert (read.start is None) == (week is None)
+
+
+@pytest.mark.parametrize(("unit", "count"), [("ms", 1e3), ("us", 1e6)])
+def test_a_counter_of_32_bits_begins_again(unit, count):
+    """As millis() and micros() of a microcontroller do; a record that begins again elsewhere is not let run on."""
+    ticks = (2**32 - 20 * count + SECONDS * count) % 2**32
+    read = clocked(**{f"t [{unit}]": ticks, "psi [deg]": SECONDS})
+    np.testing.assert_allclose(np.diff(read.columns[f"t [{unit}]"]) / count, 0.5, rtol=1e-9)
+    assert read.notes == ("The counter of the clock begins again after 32 bits once.",)
+    again = np.r_[500 * count + SECONDS * count, SECONDS * count]
+    assert (np.diff(clocked(**{f"t [{unit}]": again, "psi [deg]": again}).columns[f"t [{unit}]"]) < 0).any()
