@@ -50,6 +50,8 @@ def registry() -> PintUnit:
     ureg.define("shaft_revolutions_per_minute = revolution / minute = rpm = revolutions_per_minute")
     # At sea nm is a nautical mile: pint's nanometre would make every range zero.
     ureg.define("@alias nautical_mile = nm = NM")
+    # The mil of navies and of NATO; pint's is a tenth of it.
+    ureg.define("mil = 2 * pi / 6400 * radian = _ = angular_mil = nato_mil")
     return ureg
 
 

@@ -20,6 +20,8 @@ from shipid.foundation.errors import UnitError
         ("0.4 s²/deg²", "s^2/rad^2", 0.4 * (180 / pi) ** 2),
         ("0.4 s**2/deg**2", "s^2/rad^2", 0.4 * (180 / pi) ** 2),
         ("20 °", "rad", pi / 9),
+        ("1600 mil", "rad", pi / 2),
+        ("-320 mils", "deg", -18.0),
         ("60 rpm", "rps", 1.0),
         ("2 rps", "1/s", 2.0),
         ("2 1/s", "rps", 2.0),

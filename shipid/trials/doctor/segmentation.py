@@ -8,6 +8,7 @@ from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.findings import Stretch
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.filling import GAP
+from shipid.trials.signals.course_change import ends_on_course
 from shipid.trials.signals.plates import Plate, reached_angle
 from shipid.trials.signals.series import smoothed
 
@@ -247,14 +248,14 @@ def _turn(p: WorkingCopy, delta: np.ndarray, plate: Plate) -> list[tuple[int, in
             begin, end,
             Stretch(
                 "turn", float(t[begin]), float(t[end]), _nominal(angle), round(float(np.degrees(turned)), 1), side,
-                plate.dwell > 0.7,
+                plate.dwell > 0.7 and not ends_on_course(t, delta, psi, plate.first, end),
             ),
         )
     ]  # fmt: skip
     after = np.flatnonzero(np.abs(delta[end:]) > 0.25 * angle)
-    # The rudder may still be on its way back.
+    # The rudder may still be on its way back; put over to the other side it is not.
     stop = len(t) - 1
-    beyond = after[after > 0.05 * (end - begin)]
+    beyond = after[(after > 0.05 * (end - begin)) | (plate.side * delta[end + after] < 0)]
     if beyond.size:
         stop = end + int(beyond[0])
     if end + 5 < stop:

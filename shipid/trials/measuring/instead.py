@@ -74,10 +74,11 @@ def _courses(psi: Channel) -> str:
     if len(kept) == 1:
         return f"It is a record of course keeping about {angle(kept[0] % (2 * np.pi), 3)}."
     largest = float(np.abs(np.diff(kept)).max())
-    return (
-        f"It is a record of courses kept and changed: {counted(len(kept) - 1, 'change')} of up to {angle(largest, 2)}; the rudder "
-        "follows the heading there (a closed loop)."
+    said = (
+        f"It is a record of courses kept and changed: {counted(len(kept) - 1, 'change')} of up to {angle(largest, 3)}"
     )
+    # One change may be a turn that is broken off, with the rudder put over and back.
+    return said + ("; the rudder follows the heading there (a closed loop)." if len(kept) > 2 else ".")
 
 
 def steered_by_hand(headings: Sequence[float | None], others: int) -> str:

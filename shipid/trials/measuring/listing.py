@@ -11,8 +11,12 @@ from shipid.trials.trial import Trial
 _KINDS = {"zigzag": "zig-zag", "turn": "turning circle"}
 _AROUND = 0.5
 """A manoeuvre is measured with this share of its duration before and after it, as far as nothing else is sailed there."""
+_AT_ONCE = 0.1
+"""A manoeuvre that follows another within this share of its duration begins from the rudder of that one, which belongs to it."""
 _MOST = 0.3
 """A manoeuvre that is a smaller share of its record is measured in its own window, even where it is the only one."""
+_CIRCLE = 270.0
+"""A turn that is not held, or checked by the other side, is a change of course up to this angle [deg]."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,10 @@ def manoeuvres_in(trial: Trial, diagnosis: Diagnosis) -> tuple[ListedManoeuvre, 
         after = sailed[k + 1 + pull_out].start if k + 1 + pull_out < len(sailed) else float(t[-1])
         around = _AROUND * (found.end - found.start)
         end = sailed[k + 1].end if pull_out else found.end
+        if k and found.start - before < _AT_ONCE * (found.end - found.start):
+            # The rudder goes over from one side to the other: the order is given while the manoeuvre before it ends.
+            whole = sailed[k - 2] if k > 1 and sailed[k - 1].kind == "pull-out" else sailed[k - 1]
+            before = max(whole.start, whole.end - _AT_ONCE * (found.end - found.start))
         window = (max(before, found.start - around, float(t[0])), min(after, end + around, float(t[-1])))
         result.append(
             ListedManoeuvre(len(result) + 1, _KINDS[found.kind], _title(found), found.start, found.end, window)
@@ -127,5 +135,6 @@ def _title(found: Stretch) -> str:
     if found.kind == "zigzag":
         title = f"zig-zag {found.rudder_deg:g}/{found.heading_deg:g}, first to {found.side}"
     else:
-        title = f"turning circle with {found.rudder_deg:g} deg of rudder through {found.heading_deg:.0f} deg to {found.side}"
-    return title if found.regular else f"{title} (not regular)"
+        what = "turning circle" if found.regular or (found.heading_deg or 0.0) > _CIRCLE else "change of course"
+        title = f"{what} with {found.rudder_deg:g} deg of rudder through {found.heading_deg:.0f} deg to {found.side}"
+    return title if found.regular or title.startswith("change") else f"{title} (not regular)"

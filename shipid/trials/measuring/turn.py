@@ -20,6 +20,7 @@ from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_
 from shipid.trials.measuring.track import TurnTrack, drift, over_ground_notes, speed_channel, track_channels
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
+from shipid.trials.signals.course_change import ends_on_course
 from shipid.trials.signals.plates import Plate, held_angle, plates
 from shipid.trials.trial import Trial
 
@@ -203,6 +204,9 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         found |= {f"{n}_ratio": value / length for n in names if (value := found.get(n)) is not None}
     if moving is not None and approach:
         notes += _unsteady(moving, when, calm, (quarters[0] or off) - when, approach)
+    rudder, over = steering.channel, int(np.searchsorted(steering.channel.t, off)) + 1
+    if ends_on_course(rudder.t, rudder.y, np.interp(rudder.t, psi.t, psi.y), plate.first, over):
+        notes.append("the turn ends on a course: it is a change of course, and of a turning circle only its beginning")
     notes += [*swerved, *over_ground, *turn_notes(late, beside, steering, approach or 0.0)]
     notes += [] if clock is None else [clock.notice(apart or "the times count from another moment, too")]
     notes += _inexact(start[0].within, approach or 0.0, found.get("advance"))

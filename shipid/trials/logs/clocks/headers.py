@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from shipid.trials import columns
-from shipid.trials.logs.clocks.numbers import layout_of_numbers
+from shipid.trials.logs.clocks.numbers import DAYS_OF_YEAR, layout_of_numbers
 from shipid.trials.logs.clocks.stamps import is_stamp, read_stamps
 
 #: Names of a clock in small letters, without blanks and signs: the surer ones first.
@@ -20,14 +20,18 @@ NAMES = (
     "时间", "時間", "时刻", "時刻", "시간", "время", "czas", "zaman", "aika", "seconds", "timeofday", "tod", "hhmmss", "clock", "ts", "ros time".replace(" ", ""), "stamp", "tid", "tijd", "tijdstip", "tijdstempel", "datumtijd", "looptijd", "klokkeslett", "tidspunkt", "tidsstempel", "tiempo", "horalocal", "horautc",
     "horodatage", "dateheure", "heurelocale", "messzeit", "laufzeit", "heure", "hora",
     "tempo", "temps", "fechahora", "tow", "itow", "gpstow", "timeofweek", "gpstimeofweek", "datetimestamp", "timestamputc",
-    "jd", "juliandate", "julianday", "mjd", "modifiedjuliandate", "modifiedjulianday", "datenum", "matlabtime", "datetimenum",
+    "sow", "gpssow", "secondsofweek", "gpssecondsofweek", "secofweek", "gpsweekseconds", "weekseconds", *DAYS_OF_YEAR[:6],
+    "decimalday", "decimaldoy", "fractionalday", "jd", "juliandate", "julianday", "mjd", "modifiedjuliandate", "modifiedjulianday", "datenum", "matlabtime", "datetimenum",
     "recordtime", "logtime", "systemtime", "date", "datum", "dato", "fecha", "day", "datetimelocal", "index",
 )  # fmt: skip
 #: What a cell without a value holds as text.
 NOTHING = frozenset({"", "nan", "NaN", "NaT", "None", "<NA>", "null", "NULL", "-", "--"})
 _DATES = ("date", "datum", "dato", "fecha", "day", "utcdate", "dateutc", "localdate", "gpsdate", "tag")
 _ANY = frozenset((*NAMES, *_DATES))
-_TIMES_OF_WEEK = ("tow", "itow", "gpstow", "timeofweek", "gpstimeofweek")
+_TIMES_OF_WEEK = (
+    "tow", "itow", "gpstow", "timeofweek", "gpstimeofweek", "sow", "gpssow", "secondsofweek", "gpssecondsofweek", "secofweek",
+    "gpsweekseconds", "weekseconds",
+)  # fmt: skip
 _WEEKS = ("week", "gpsweek", "wn", "gpsweeknumber", "weeknumber")
 #: Names that say the unit themselves, where a header has no brackets: ``t_s``, ``time_ms``.
 _SUFFIXED = re.compile(

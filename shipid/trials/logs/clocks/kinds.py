@@ -13,7 +13,7 @@ from shipid.trials.logs.clocks.calendar import DAY, Dates, read_dates
 from shipid.trials.logs.clocks.course import unrolled
 from shipid.trials.logs.clocks.headers import NOTHING, hints
 from shipid.trials.logs.clocks.numbers import WEEK, read_numbers
-from shipid.trials.logs.clocks.settings import DATE_ORDERS, ClockFormat
+from shipid.trials.logs.clocks.settings import DATE_ORDERS, YEAR_DAYS, ClockFormat
 from shipid.trials.logs.clocks.stamps import Stamps, read_stamps
 from shipid.trials.logs.clocks.zones import Zone, to_utc
 
@@ -86,6 +86,8 @@ class Reading:
         What was decided.
     faults : tuple of TrialError
         What a trial may not have.
+    of_year : bool
+        Whether they count from the beginning of a year that nothing names.
     """
 
     seconds: np.ndarray
@@ -94,6 +96,7 @@ class Reading:
     zone: Zone = field(default_factory=Zone)
     notes: tuple[str, ...] = ()
     faults: tuple[TrialError, ...] = ()
+    of_year: bool = False
 
 
 def texts_of(column: pd.Series) -> list[str]:
@@ -159,7 +162,15 @@ def of_numbers(values: np.ndarray, layout: str, beside: pd.Series | None, stated
         return Reading(found.seconds, how, zone=Zone("UTC", np.zeros(len(values)), converted=True))
     if found.gps:
         zone = Zone("GPS, which leaves leap seconds out")
-        return Reading(found.seconds, how, None if found.absolute else WEEK, zone)
+        if week is None or np.nanmax(week) > np.nanmin(week):
+            return Reading(found.seconds, how, None if found.absolute else WEEK, zone)
+        seconds, count = unrolled(found.seconds, WEEK)
+        kept = "The number of the week stays the same when the week ends; the clock was let run on."
+        return Reading(seconds, how, zone=zone, notes=(kept,) if count else ())
+    if layout in YEAR_DAYS:
+        # A year that ends in the log has as many days as its last number says.
+        days = 366 if values[np.isfinite(values)].max(initial=0.0) >= 366 else 365
+        return Reading(found.seconds, how, days * DAY, Zone(stated.zone or hints(place.names)[1]), of_year=True)
     if not found.absolute:
         return Reading(found.seconds, how, DAY, Zone(stated.zone or hints(place.names)[1]))
     seconds, zone, notes = to_utc(found.seconds, stated.zone or hints(place.names)[1])

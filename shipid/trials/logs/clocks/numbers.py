@@ -6,12 +6,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.trials.logs.clocks.settings import EPOCHS, GPS_WEEK, SERIAL_DAYS
+from shipid.trials.logs.clocks.settings import EPOCHS, GPS_WEEK, SERIAL_DAYS, YEAR_DAYS
 
 DAY = 86400.0
 WEEK = 7 * DAY
 #: Year, month, day, hour, minute and second side by side: 20260504235820. Read as text.
 ALL_DIGITS = "yyyymmddhhmmss"
+#: Names of the day of the year, in small letters, without blanks and signs; many loggers call it the Julian day.
+DAYS_OF_YEAR = (
+    "doy",
+    "dayofyear",
+    "yearday",
+    "yday",
+    "jday",
+    "julday",
+    "julianday",
+    "jd",
+    "decimalday",
+    "decimaldoy",
+    "fractionalday",
+)
+#: What names of the time of a GPS week hold.
+IN_WEEK = ("tow", "timeofweek", "secondsofweek", "secofweek", "weekseconds", "sow")
 #: The GPS began to count weeks here [s since 1970].
 GPS_START = 315964800.0
 #: No log in digital form is older, none is to come for a while [s since 1970]: 1990 and 2041, when Excel's days
@@ -28,7 +44,7 @@ class Moments:
     Attributes
     ----------
     seconds : ndarray, shape (n,)
-        Since 1 January 1970, or since the beginning of a GPS week where `absolute` is False.
+        Since 1 January 1970, or since the beginning of a GPS week or of a year where `absolute` is False.
     layout : str
         As a format file states it.
     absolute : bool
@@ -51,7 +67,7 @@ def read_numbers(values: np.ndarray, layout: str, week: np.ndarray | None = None
     values : ndarray, shape (n,)
         As printed.
     layout : str
-        One of `EPOCHS`, `SERIAL_DAYS`, `GPS_WEEK` or ``hhmmss``.
+        One of `EPOCHS`, `SERIAL_DAYS`, `GPS_WEEK`, `YEAR_DAYS` or ``hhmmss``.
     week : ndarray, shape (n,), optional
         Number of the GPS week.
 
@@ -68,6 +84,8 @@ def read_numbers(values: np.ndarray, layout: str, week: np.ndarray | None = None
         if week is None:
             return Moments(seconds, layout, absolute=False, gps=True)
         return Moments(GPS_START + week * WEEK + seconds, layout, gps=True)
+    if layout in YEAR_DAYS:
+        return Moments(np.round((values - 1) * DAY, 5), layout, absolute=False)
     assert layout == "hhmmss"
     hours, rest = np.divmod(values, 10000)
     minutes, seconds = np.divmod(rest, 100)
@@ -114,7 +132,9 @@ def layout_of_numbers(values: np.ndarray, name: str) -> str | None:
         since = (known - SERIAL_DAYS[layout_named]) * DAY
         if since.min() > _OLDEST and since.max() < _LATEST:
             return layout_named
-    if "tow" in name or "timeofweek" in name:
+    if name in DAYS_OF_YEAR and low >= 0 and high < 367 and 0 < step * DAY < _SLOWEST:
+        return YEAR_DAYS[0]
+    if any(word in name for word in IN_WEEK):
         if high < WEEK and low >= 0 and not name.startswith("itow"):
             return "gps week s"
         if WEEK < high < WEEK * 1000 and step > 5:

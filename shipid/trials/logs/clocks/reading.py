@@ -12,13 +12,26 @@ from shipid.trials import columns as headers
 from shipid.trials.errors import ClockError, TrialError
 from shipid.trials.logs.clocks import course
 from shipid.trials.logs.clocks.calendar import DAY
-from shipid.trials.logs.clocks.headers import find_clock, is_number, short, unit_of_time
+from shipid.trials.logs.clocks.headers import NAMES, find_clock, is_number, short, unit_of_time
 from shipid.trials.logs.clocks.kinds import Place, Reading, by_pattern, joined, of_numbers, of_stamps, of_text, texts_of
-from shipid.trials.logs.clocks.numbers import ALL_DIGITS, WEEK, epoch_in, layout_of_numbers, read_numbers
+from shipid.trials.logs.clocks.numbers import (
+    ALL_DIGITS,
+    DAYS_OF_YEAR,
+    IN_WEEK,
+    WEEK,
+    epoch_in,
+    layout_of_numbers,
+    read_numbers,
+)
 from shipid.trials.logs.clocks.parts import of_parts, with_thousandths
 from shipid.trials.logs.clocks.settings import DATE_ORDERS, TIMES, ClockFormat, moment_text
 
 _WEEK_UNITS = {1.0: "gps week s", 1e-3: "gps week ms"}
+_YEAR = 367.0
+#: Samples nearer to each other than this are none of seconds [s]: 10 kHz.
+_SHORTEST = 1e-4
+#: Units that microcontrollers count in [s].
+_COUNTED = (1e-3, 1e-6)
 _EPOCH_UNITS = {1.0: "epoch s", 1e-3: "epoch ms", 1e-6: "epoch us", 1e-9: "epoch ns"}
 
 
@@ -164,6 +177,7 @@ def with_clock(
         table = {name: column, **{header: other for header, other in table.items() if header not in used}}
         found, others = (name,), find_clock(table)[1]
     if not found:
+        _check_days(table, where)
         return ClockedTable(dict(table))
     fraction = with_thousandths(table[found[-1]], table)
     if fraction is not None:
@@ -183,8 +197,23 @@ def with_clock(
     return ClockedTable({headers.header("t", unit): main, **rest}, None, (*midnight, *notes))
 
 
+def _check_days(table: Mapping[str, pd.Series], where: str) -> None:
+    """Refuse days without a unit, which no name and no size tells: as seconds their samples would be microseconds apart."""
+    for header, column in table.items():
+        if short(header) not in NAMES or unit_of_time(header) is not None or not is_number(column):
+            continue
+        known = pd.to_numeric(column, errors="coerce").dropna().to_numpy(dtype=float)
+        steps = np.diff(known)
+        if known.size > 2 and known.min() > 0 and known.max() < _YEAR and 0 < float(np.median(steps)) < _SHORTEST:
+            raise ClockError(
+                f"{where}, column '{header}': from sample to sample the clock goes on by {float(np.median(steps)):.2g}, so its numbers look like "
+                f"days. Write '{header} [d]', or for days of a year layout = \"day of year\" in [clock] of a format file whose [columns.t] "
+                f"names '{header}' (shipid format drafts one)."
+            )
+
+
 def _over_midnight(column: pd.Series, unit: str) -> tuple[pd.Series, tuple[str, ...]]:
-    """Let a clock of plain numbers run on that counts from midnight, and begins again there."""
+    """Let a clock of plain numbers run on that counts from midnight, or in 32 bits, and begins again there."""
     if not unit or not is_number(column):
         return column, ()
     factor = headers.to_inside("t", unit)
@@ -196,11 +225,16 @@ def _over_midnight(column: pd.Series, unit: str) -> tuple[pd.Series, tuple[str, 
         return column, ()
     near = max(60.0, 10 * float(np.median(step[step > 0])))
     before, after = seconds[at[back]], seconds[at[back + 1]]
-    if not ((before > DAY - near) & (before < DAY) & (after >= 0) & (after < near)).all():
-        return column, ()
-    running, count = course.unrolled(seconds, DAY)
-    many = "once" if count == 1 else f"{count} times"
-    return pd.Series(running / factor, index=column.index), (f"The clock passes midnight {many}.",)
+    # The counter of a microcontroller has 32 bits: its milliseconds begin again after 50 days, its microseconds after 72 minutes.
+    periods = {DAY: "The clock passes midnight", 2**32 * factor: "The counter of the clock begins again after 32 bits"}
+    for period, what in periods.items():
+        if period != DAY and factor not in _COUNTED:
+            continue
+        if ((before > period - near) & (before < period) & (after >= 0) & (after < near)).all():
+            running, count = course.unrolled(seconds, period)
+            many = "once" if count == 1 else f"{count} times"
+            return pd.Series(running / factor, index=column.index), (f"{what} {many}.",)
+    return column, ()
 
 
 def written_twice(columns: Iterable[pd.Series]) -> np.ndarray | None:
@@ -229,8 +263,10 @@ def layout_of(header: str, values: np.ndarray) -> str | None:
     if unit is None:
         return layout_of_numbers(values, short(header))
     factor = headers.to_inside("t", unit)
-    if factor in _WEEK_UNITS and ("tow" in short(header) or "timeofweek" in short(header)):
+    if factor in _WEEK_UNITS and any(word in short(header) for word in IN_WEEK):
         return _WEEK_UNITS[factor]
+    if factor == DAY and short(header) in DAYS_OF_YEAR:
+        return layout_of_numbers(values, short(header))
     if factor == DAY:
         return next((name for name in ("excel", "matlab") if epoch_in(read_numbers(values, name).seconds)), None)
     name = next((word for size, word in _EPOCH_UNITS.items() if np.isclose(size, factor, rtol=1e-9)), None)
@@ -251,9 +287,12 @@ def _running(reading: Reading, place: Place, twice: np.ndarray | None) -> Clock:
     if reading.period is not None:
         seconds, count = course.unrolled(seconds, reading.period)
         again = {DAY: "midnight", WEEK: "the end of the GPS week"}.get(reading.period, "the full hour")
+        again = "the end of the year" if reading.of_year else again
         notes += [f"The clock passes {again} {'once' if count == 1 else f'{count} times'}."] if count else []
         told = f"{origin:.3f} s of a GPS week" if reading.period == WEEK else _time_of_day(origin)
         told += " that nothing names" if reading.period == WEEK else " of a day that nothing names"
+        if reading.of_year:
+            told = f"{_time_of_day(origin)} on day {origin // DAY + 1:.0f} of a year that nothing names"
     elif reading.zone.undecided:
         told = f"{_time_of_day(origin)} of a day that is not decided"
     else:

@@ -1,7 +1,7 @@
 """What a format file says about the clock: ``[clock]``.
 
     [clock]
-    layout = "day first"        # or "month first", "epoch ms", "excel", "%d.%m.%Y %H:%M:%S"
+    layout = "day first"        # or "month first", "epoch ms", "excel", "day of year", "%d.%m.%Y %H:%M:%S"
     zone = "Europe/Oslo"        # or "UTC", "+02:00"
     date = "Date"               # the header of a column with the date, beside the one with the time of day
 
@@ -32,10 +32,12 @@ SERIAL_DAYS = {
 }
 #: Seconds of the GPS week: seconds a unit.
 GPS_WEEK = {"gps week s": 1.0, "gps week ms": 1e-3}
+#: Days of a year, with their fraction: 1 January begins at 1.
+YEAR_DAYS = ("day of year",)
 #: Time of day as a number.
 DIGITS = ("hhmmss",)
 
-LAYOUTS = (*DATE_ORDERS, *TIMES, *EPOCHS, *SERIAL_DAYS, *GPS_WEEK, *DIGITS)
+LAYOUTS = (*DATE_ORDERS, *TIMES, *EPOCHS, *SERIAL_DAYS, *GPS_WEEK, *YEAR_DAYS, *DIGITS)
 KEYS = ("interval", "note", "layout", "zone", "date")
 
 

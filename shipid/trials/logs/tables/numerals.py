@@ -21,7 +21,7 @@ Decimal = Literal[".", ","]
 
 #: What stands for a missing sample, in small letters. Spreadsheets write the words with # where a formula found no number.
 MISSING = frozenset(
-    ("", "-", "--", "---", "nan", "-nan", "na", "n/a", "n.a.", "nil", "none", "null", "<na>", "nat", "missing", "n/v",
+    ("", "-", "--", "---", "nan", "-nan", "na", "n/a", "n.a.", "nil", "none", "null", "<na>", "nat", "missing", "n/v", "ovf",
      "#n/a", "#na", "#nv", "#div/0!", "#num!", "#value!", "#ref!", "#name?", "#null!", "1.#qnan", "-1.#ind", "1.#ind")
 )  # fmt: skip
 

@@ -12,6 +12,7 @@ from shipid.trials.logs.tables.files.arrays import read_arrays
 from shipid.trials.logs.tables.files.excel import read_excel
 from shipid.trials.logs.tables.files.hdf5 import hdf5_arrays
 from shipid.trials.logs.tables.files.matlab import matlab_arrays
+from shipid.trials.logs.tables.files.own_clocks import on_one_clock
 from shipid.trials.logs.tables.files.parquet import read_parquet
 from shipid.trials.logs.tables.files.text import read_text
 from shipid.trials.logs.tables.kinds import Kind, kind_of
@@ -64,5 +65,5 @@ def read_table(file: Path, fmt: TrialFormat | None = None, part: str | None = No
     else:
         old = kind is Kind.MATLAB and b"\x89HDF" not in data[:4104]
         arrays = matlab_arrays(data, file) if old else hdf5_arrays(data, file)
-        table = read_arrays(arrays, file, wanted, columns, "struct" if kind is Kind.MATLAB else "group")
+        table = read_arrays(on_one_clock(arrays), file, wanted, columns, "struct" if kind is Kind.MATLAB else "group")
     return samples_only(replace(table, notes=(*notes, *table.notes)))

@@ -16,7 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.trials.measuring.rudder.levels import Level, level_before, level_held
+from shipid.trials.measuring.rudder.levels import (
+    Level,
+    level_before,
+    level_held,
+    level_opposite,
+    opposite_helm,
+)
 from shipid.trials.measuring.rudder.ramps import line_through, ramp_line
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.channel import Channel
@@ -102,6 +108,15 @@ def first_execute(steering: Steering, plate: Plate, moved: float | None = None) 
         None where the record begins with the rudder over already.
     """
     t, rudder = steering.channel.t, steering.channel.y
+    opposite = opposite_helm(steering, plate) if moved is None or steering.reading == "order" else None
+    if opposite is not None:
+        held = level_opposite(steering, opposite)
+        near = slice(opposite.first, min(len(t), plate.last))
+        y = opposite.side * rudder[near]
+        if opposite.first == 0 and _on_the_way_from_the_start(steering, t[: opposite.last], y[: opposite.last]):
+            return None
+        found = _put_over(steering, near, y, plate.first + 1 - near.start, held, -abs(plate.angle), 0.9)
+        return _refined(steering, found, plate, first=True), opposite.side * held.angle
     before = plate.side * rudder[: plate.first]
     way = abs(plate.angle)
     calm = np.flatnonzero(np.abs(before) < 0.3 * way)
@@ -128,6 +143,13 @@ def _on_ramp_from_the_start(steering: Steering, t: np.ndarray, before: np.ndarra
     if steering.rate is None or t[0] > steering.channel.t[0] or len(t) < 2 or before[0] < _BEGUN * way:
         return False
     return bool(before[-1] - before[0] >= 0.7 * steering.rate * (t[-1] - t[0]))
+
+
+def _on_the_way_from_the_start(steering: Steering, t: np.ndarray, y: np.ndarray) -> bool:
+    """Whether the record begins while the rudder already comes back from the other side, as fast as it moves."""
+    if steering.rate is None or len(t) < 2:
+        return False
+    return bool(y[0] - y[-1] >= 0.7 * steering.rate * (t[-1] - t[0]))
 
 
 def _refined(steering: Steering, found: Execute, plate: Plate, *, first: bool) -> Execute:

@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.trials.measuring.rudder.ramps import RampLine, line_through
 from shipid.trials.measuring.rudder.steering import Steering
-from shipid.trials.signals.plates import Plate, held_angle
+from shipid.trials.signals.plates import Plate, held_angle, reached_angle
 
 _MOST = 60
 """Samples of a plate that are averaged at most: the last ones, from which the rudder sets out."""
@@ -24,6 +24,18 @@ _SHORT = 0.97
 
 _CALM = 1.5
 """A rudder scatters so many times as much as from sample to sample at most, where it lies still."""
+
+_OPPOSITE = 0.08
+"""A rudder beyond this share of its way, on the other side, sets out from there."""
+
+_COMES = 0.15
+"""A rudder this share of its way over on the other side need not lie there: from less it sets out where it lay still."""
+
+_TOP = 0.03
+"""A rudder that is held stays within this share of its angle from sample to sample."""
+
+_PASSES = 1.3
+"""A rudder that goes over from one side to the other takes so many times as long as at its rate, at the most."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +137,64 @@ def level_before(steering: Steering, plate: Plate, recent: np.ndarray) -> Level:
     # A helm that wanders is left where it stayed longest, or else somewhere on its way; only noise is averaged.
     held = held_angle(y[recent])
     return Level(held, 0.5 * float(np.quantile(np.abs(still - held), 0.75)))
+
+
+def level_opposite(steering: Steering, plate: Plate) -> Level:
+    """Return the angle that the rudder has where it turns back from a stretch on the other side, which it may only touch.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    plate : Plate
+        That stretch.
+    """
+    if steering.logged or steering.rate is None or plate.last - plate.first >= 3 * _HELD:
+        return level_held(steering, plate)
+    y = plate.side * steering.channel.y[plate.first : plate.last]
+    between = 0.5 * steering.rate * steering.channel.interval
+    top = y[y >= y.max() - between - _TOP * abs(plate.angle)]
+    # It turns back at a sample, or between two.
+    return _middle(top) if len(top) >= 3 else Level(float(y.max()) + 0.5 * between, 0.3 * between)
+
+
+def opposite_helm(steering: Steering, plate: Plate) -> Plate | None:
+    """Return the stretch on the other side from which the rudder goes over to its first plate; None where it comes from midships.
+
+    A helm that wanders from side to side, as in steering by hand, is no such stretch: it is somewhere on its way when it is ordered.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    plate : Plate
+        The plate it goes to.
+    """
+    t, y, way = steering.channel.t, -plate.side * steering.channel.y, abs(plate.angle)
+    least = _OPPOSITE * way
+    beyond = np.flatnonzero(y[: plate.first] > least)
+    if not beyond.size:
+        return None
+    last = int(beyond[-1])
+    interval = steering.channel.interval
+    passing = 2.1 * interval
+    if steering.rate is not None:
+        passing += _PASSES * (0.5 * way + float(y[last])) / steering.rate
+    if t[plate.first] - t[last] > passing:
+        return None
+    inside = np.flatnonzero(y[: last + 1] <= least)
+    begin = int(inside[-1]) + 1 if inside.size else 0
+    part = y[begin : last + 1]
+    angle = reached_angle(part[part >= 0.5 * part.max()])
+    over = np.flatnonzero(part >= 0.5 * angle)
+    stretch = part[over[0] : over[-1] + 1]
+    dwell = float(np.mean(np.abs(stretch - angle) <= 0.2 * angle))
+    before = np.abs(y[max(0, begin - 3 * len(part)) : begin])
+    alone = not before.size or float(np.quantile(before, 0.9)) < 0.3 * angle
+    if not (dwell > 0.5 and len(stretch) >= _HELD) and not (alone and angle > _COMES * way):
+        return None
+    end = begin + int(over[-1]) + 1
+    return Plate(begin + int(over[0]), end, -plate.side * angle, dwell)
 
 
 def _middle(values: np.ndarray) -> Level:

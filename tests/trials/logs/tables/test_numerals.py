@@ -79,7 +79,7 @@ def test_what_is_no_number(cell):
 
 
 @pytest.mark.parametrize(
-    "cell", ["", " ", "-", "--", "NaN", "nan", "NA", "N/A", "#N/A", "null", "NULL", "None", "#DIV/0!", "<NA>"]
+    "cell", ["", " ", "-", "--", "NaN", "nan", "NA", "N/A", "#N/A", "null", "NULL", "None", "#DIV/0!", "<NA>", "ovf"]
 )
 def test_marks_of_a_missing_sample(cell):
     assert is_missing(cell)

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from shipid.foundation.notices import notice_of
 from shipid.trials.measuring.measure import measure
 from shipid.trials.trial import Trial
 
@@ -183,3 +184,14 @@ def test_a_rudder_that_stands_still_over_an_execute(logged, interval, rate, nois
         stated is None or abs(np.degrees(stated) - overshoots[1]) < np.degrees(found.overshoot_uncertainties[1]) + 0.05
     )
     assert np.degrees(found.overshoots[0]) == pytest.approx(overshoots[0], abs=0.2)
+
+
+@pytest.mark.parametrize(("limit", "said"), [(14.0, True), (30.0, False)])
+def test_a_rudder_sensor_at_the_end_of_its_range_is_told(logged, limit, said):
+    """It scatters amidships and repeats 14 deg on the plates of 20 deg: the orders are 2 s earlier than its ramps say."""
+    trial, orders, _ = logged(0.2)
+    rudder = np.degrees(trial["delta"]) + np.random.default_rng(3).normal(0, 0.05, len(trial))
+    frame = trial.to_frame().assign(**{"delta [deg]": np.clip(rudder, -limit, limit)})
+    found = measure(Trial.from_frame(frame, name="clipped"))
+    assert any(n.kind == "clipped" and n.serious for n in map(notice_of, found.notes)) == said
+    assert (abs(found.executes[1] - orders[2]) > 1.0) == said

@@ -31,6 +31,9 @@ _BRISK = 0.2
 _BESIDE = 0.4
 """Such a filter is shorter than this share of that time."""
 
+_SELDOM_PUT, _STILL = 4, 0.03
+"""A rudder that is put over so many times at the most, and stays within this share of its range in between, follows nothing."""
+
 
 def examine_closed_loop(p: WorkingCopy) -> None:
     """Find a rudder that is a function of heading and rate of turn; it spoils a fit where disturbances turn the ship.
@@ -44,7 +47,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
     if name is None or p.found("no-rudder-movement"):
         return
     signals = regular_signals(p, name)
-    if signals is None:
+    if signals is None or _put_over_and_left(signals.delta):
         return
     share, stiffness, damping = max(_law(signals, width * signals.step) for width in _widths(signals))
     if share < _FOLLOWS:
@@ -75,6 +78,19 @@ def examine_closed_loop(p: WorkingCopy) -> None:
             "if the disturbance is exactly what the method takes it for.",
             "Change the course a few times, by 10 degrees and more: the orders move the rudder by themselves.",
         )  # fmt: skip
+
+
+def _put_over_and_left(delta: np.ndarray) -> bool:
+    """Whether the rudder does nothing but go over a few times, and lies still in between.
+
+    Any law of heading and rate of turn fits two or three steps: the ship turns after the one, and has turned before the other.
+    """
+    start, length, reach = executes(delta)
+    if not 0 < len(start) <= _SELDOM_PUT:
+        return False
+    edges = [0, *np.column_stack([start, start + length]).ravel(), len(delta)]
+    off = np.concatenate([np.abs(part - np.median(part)) for part in np.split(delta, edges[1:-1])[0::2] if len(part)])
+    return float(np.quantile(off, 0.95)) < max(_STILL * reach, 4 * robust.noise(delta))
 
 
 def _widths(signals: Signals) -> list[int]:

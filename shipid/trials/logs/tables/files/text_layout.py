@@ -202,6 +202,8 @@ def _detected(path: Path, fmt: TrialFormat | None, comment: str, lines: list[str
                 )
             elif len(headers) == width - 1 and first.text.lstrip().startswith('"1"'):
                 headers = ["", *headers]  # R's write.table names all columns but that of the row names
+        if len(headers) == width + 1 and headers[-1].lower() == "comment":
+            headers = headers[:-1]  # LabVIEW writes the word and, where nothing was said, no field below it
         _check_fit(path, row, headers, rows[heading.first].cells)
         headers += [""] * (width - len(headers))  # every row ends with a separator
         notes += _unused(rows, heading)

@@ -29,6 +29,7 @@ def comma(number, thousands=""):
 
 FORMS = {
     "bars": lambda: written(lambda *s: "|".join(map(point, s)), separator="|"),
+    "the comment of LabVIEW": lambda: written(lambda *s: "\t".join(map(point, s)), (*HEADER, "Comment"), "\t"),
     "bars with blanks": lambda: written(lambda *s: " | ".join(map(point, s)), separator=" | "),
     "thousands point and decimal comma": lambda: written(lambda *s: ";".join(comma(n, ".") for n in s), separator=";"),
     "thousands comma in quotes": lambda: written(lambda *s: ",".join(f'"{point(n, ",")}"' for n in s)),
