@@ -25,6 +25,7 @@ from shipid.identification.problem.box import Box
 from shipid.identification.problem.trial_data import TrialData
 from shipid.identification.search.least_squares import minimise_robustly
 from shipid.identification.search.solution import Solution
+from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.parameters.draws import normal_draws
 
 #: Of a corner that is cut, the triangle in the middle of each interval that has the same area, in shares of the error by the bends at
@@ -37,8 +38,8 @@ _SURE, _SPREADS = 0.3, np.concatenate([[0.0], np.geomspace(0.1, 2.0, 20)])
 _STRAIGHT = 0.2
 #: Intervals whose errors are looked at one by one; of more random sums stand for all, and those below this share of the largest are nothing.
 _MOST, _SMALL = 96, 0.05
-#: Power of the common error, in variances of the noise, below which it changes no interval.
-_NOTHING = 0.05
+#: Power of the common error, in variances of the residuals, and standard deviations by which it moves a coefficient, below which it is nothing.
+_NOTHING, _MOVES = 0.05, 0.1
 #: How often the noise is found anew without the errors.
 _TURNS = 3
 #: Singular values below this share of the largest are nothing.
@@ -69,7 +70,7 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
     Returns
     -------
     Solution
-        The same where corners are nothing beside the noise, or inputs have missing samples.
+        The same where corners move no coefficient, or inputs have missing samples.
     """
     problem = solution.problem
     if not (solution.finite and problem.size) or any(data.sampled is not None for data in problem.trials):
@@ -80,7 +81,7 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
     if any(c is None for c in common):
         return solution
     shown = sum(float(np.sum((c[0] / level[:, None]) ** 2)) for c, level in zip(common, levels) if c is not None)
-    if not shown > _NOTHING:
+    if not shown > _NOTHING or not _moves(solution, np.concatenate([c.ravel() for c in common if c is not None])):
         return solution
     # Errors of single intervals belong to one trial, the common one to all.
     ends = 1 + np.cumsum([len(e) - 1 for e in errors])
@@ -147,6 +148,17 @@ def _at_samples(steps: np.ndarray, middle: np.ndarray) -> np.ndarray:
     half = 0.25 * middle * steps
     width = 0.5 * (np.pad(steps, (1, 0)) + np.pad(steps, (0, 1)))
     return np.asarray((np.pad(half, ((0, 0), (1, 0))) + np.pad(half, ((0, 0), (0, 1)))) / width)
+
+
+def _moves(solution: Solution, change: np.ndarray) -> bool:
+    """Whether a change of the residuals moves a coefficient by more than a small share of its standard deviation."""
+    shared = len(solution.problem.estimated)
+    norms = np.linalg.norm(solution.jacobian, axis=0)
+    norms = np.where(norms > 0, norms, 1.0)
+    whole = np.pad(change, (0, solution.residual.size - change.size))
+    step = np.linalg.lstsq(solution.jacobian / norms, whole, rcond=_TINY)[0] / norms
+    spread = np.sqrt(np.diag(covariance_of(replace(solution, others=())).matrix)[:shared])
+    return bool((np.abs(step[:shared]) > _MOVES * spread).any())
 
 
 def _size(residual: np.ndarray) -> float:
