@@ -39,7 +39,7 @@ _STRAIGHT = 0.2
 #: Intervals whose errors are looked at one by one; of more random sums stand for all, and those below this share of the largest are nothing.
 _MOST, _SMALL = 96, 0.05
 #: Power of the common error, in variances of the residuals, and standard deviations by which it moves a coefficient, below which it is nothing.
-_NOTHING, _MOVES = 0.05, 0.1
+_NOTHING, _MOVES = 0.05, 0.2
 #: How often the noise is found anew without the errors.
 _TURNS = 3
 #: Singular values below this share of the largest are nothing.
