@@ -18,6 +18,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
+from shipid.identification.evidence.between_samples import follow_corners
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import COURSE_KEPT, UNEXPLAINED, least_unexplained, nothing_explained
 from shipid.identification.evidence.load_part import LoadPart, weigh_load_part
@@ -230,7 +231,7 @@ def _by_residuals(problem: Problem, box: Box, method: Method | None, how: Search
     solution, rungs = climb(independent_samples(problem, unit_time), box, method, rough)
     weighing = Weighing(least, not how.weigh, INDEPENDENT * unit_time, how.tell, records)
     solution, spread = conclude(solution, problem, box, weighing)
-    return _Found(solution, rungs, box, spread)
+    return _Found(follow_corners(solution, box), rungs, box, spread)
 
 
 def _by_another_method(problem: Problem, box: Box, method: Method | None, how: SearchSettings, _: int) -> _Found:

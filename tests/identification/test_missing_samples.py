@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 from dataclasses import replace
 from functools import cache
@@ -103,8 +104,12 @@ def test_long_holes_in_what_is_predicted():
     assert "samples there: psi 320 of 401, r 360 of 401" in fit.text()
 
 
-def test_a_sample_that_is_missing_counts_as_one_that_never_was():
+def test_a_sample_that_is_missing_counts_as_one_that_never_was(monkeypatch):
     """Rows in which nothing but the rudder is known, against a log without them, the rudder between them on a straight line."""
+    # The log with the rows says that the rudder has no corner between the others: that is left out of the comparison.
+    monkeypatch.setattr(
+        importlib.import_module("shipid.identification.identify"), "follow_corners", lambda found, _: found
+    )
     made = table(seed=None)
     rng = np.random.default_rng(3)
     for name, level in LEVELS.items():

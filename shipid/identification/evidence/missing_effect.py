@@ -21,7 +21,7 @@ from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import number
 from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import plain
-from shipid.identification.noise.autoregression import ORDERS, SAMPLES, Autoregression, autoregression_of
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, whitened
 from shipid.identification.noise.residual_groups import groups_of
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.problem.trial_data import TrialData
@@ -300,7 +300,7 @@ def _weighed(rows: Sequence[_Rows], noise: Sequence[Autoregression], alone: bool
     whole, volume = [], 0.0
     for r, model in zip(rows, noise):
         joined = np.concatenate([r.residual[:, :, None], r.slopes, r.effects], axis=2)
-        white, log_volume = _whitened(model, joined)
+        white, log_volume = whitened(model, joined)
         whole.append(white)
         volume += log_volume
     together = np.concatenate(whole)
@@ -323,22 +323,3 @@ def _weighed(rows: Sequence[_Rows], noise: Sequence[Autoregression], alone: bool
     k = int(np.argmax(gains))
     posterior = variance[k] / (1 + variance[k] * information)
     return _Weighed(likelihood + float(gains[k]), vectors @ (posterior * pull), (vectors * posterior) @ vectors.T)
-
-
-def _whitened(model: Autoregression, series: np.ndarray) -> tuple[np.ndarray, float]:
-    """Columns less what the past tells of them, in units of the drive, and the logarithm of the volume that these units span.
-
-    The price of the numbers of the autoregression is in it, by the criterion that found its order: a long one describes the answer
-    to a rudder as well as an effect does.
-    """
-    # The same samples whatever the order: likelihoods of one record are compared.
-    order, count = model.order, series.shape[1]
-    first = min(ORDERS[-1], count // SAMPLES)
-    left = series[:, first:].copy()
-    for k, step in enumerate(model.steps, start=1):
-        left -= np.einsum("ij,jnq->inq", step, series[:, first - k : count - k])
-    size = len(model.drive)
-    root = np.linalg.cholesky(model.drive + 1e-12 * np.trace(model.drive) * np.eye(size))
-    white = np.linalg.solve(root, left.reshape(size, -1)).reshape(left.shape)
-    log_volume = 2 * float(np.log(np.diag(root)).sum()) * left.shape[1]
-    return white.reshape(-1, series.shape[2]), log_volume + order * size**2 * float(np.log(count))

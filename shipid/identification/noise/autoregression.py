@@ -188,6 +188,39 @@ def corrected(
     return found if found.stable else model
 
 
+def whitened(model: Autoregression, series: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return columns less what the past tells of them, in units of the drive, and the logarithm of the volume that these units span.
+
+    The price of the numbers of the autoregression is in it, by the criterion that found its order: a long one describes the answer
+    to a rudder as well as an effect does.
+
+    Parameters
+    ----------
+    model : Autoregression
+        The noise.
+    series : ndarray, shape (signals, N, columns)
+        Series along the second axis.
+
+    Returns
+    -------
+    white : ndarray, shape (rows, columns)
+        Under that noise independent, of unit variance.
+    log_volume : float
+        Twice the negative log-likelihood is this and the square of a white column.
+    """
+    # The same samples whatever the order: likelihoods of one record are compared.
+    order, count = model.order, series.shape[1]
+    first = min(ORDERS[-1], count // SAMPLES)
+    left = series[:, first:].copy()
+    for k, step in enumerate(model.steps, start=1):
+        left -= np.einsum("ij,jnq->inq", step, series[:, first - k : count - k])
+    size = len(model.drive)
+    root = np.linalg.cholesky(model.drive + 1e-12 * np.trace(model.drive) * np.eye(size))
+    white = np.linalg.solve(root, left.reshape(size, -1)).reshape(left.shape)
+    log_volume = 2 * float(np.log(np.diag(root)).sum()) * left.shape[1]
+    return white.reshape(-1, series.shape[2]), log_volume + order * size**2 * float(np.log(count))
+
+
 def _lags(residual: np.ndarray, most: int) -> list[np.ndarray]:
     """Autocovariances E e(t + k) e(t)', the biased estimate."""
     count = residual.shape[1]

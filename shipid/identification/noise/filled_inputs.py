@@ -58,13 +58,44 @@ def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None
         errors[:, model.inputs.index("u")] += unsure * normal_draws(1, _DRAWS, len(recorded))
     if not errors.any():
         return None
+    return _changes(problem, q, index, t, recorded, errors, rows)
+
+
+def changes_by(problem: Problem, q: np.ndarray, index: int, errors: np.ndarray) -> np.ndarray | None:
+    """Return changes of the weighted residuals of one trial by errors in the samples of its inputs.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    q : ndarray, shape (unknowns,)
+        Its unknowns.
+    index : int
+        Which trial.
+    errors : ndarray, shape (errors, inputs, N)
+        The errors.
+
+    Returns
+    -------
+    ndarray, shape (errors, signals, N), or None
+        None where the model runs away.
+    """
+    data = problem.trials[index]
+    return _changes(problem, q, index, data.t, data.inputs, errors, np.arange(data.t.size))
+
+
+def _changes(
+    problem: Problem, q: np.ndarray, index: int, t: np.ndarray, inputs: np.ndarray, errors: np.ndarray, rows: np.ndarray
+) -> np.ndarray | None:
+    """Changes of the weighted residuals, at the rows of the trial, by errors of the inputs at some times."""
+    data, model = problem.trials[index], problem.model
     record = make_record(model, problem.shown)
     x0 = initial_state(model, problem.start(q, index))
     p, bias = coefficient_vector(model, problem.values(q)), problem.bias_vector(q[problem.own(index)])
     # The first run is without errors.
-    inputs = np.concatenate([recorded[None], recorded + errors])
-    x0, p, bias = (np.broadcast_to(v, (len(inputs), v.size)) for v in (x0, p, bias))
-    y = run_many(record, x0, inputs, np.diff(t, append=t[-1]), p, bias)[0][:, :, rows]
+    every = np.concatenate([inputs[None], inputs + errors])
+    x0, p, bias = (np.broadcast_to(v, (len(every), v.size)) for v in (x0, p, bias))
+    y = run_many(record, x0, every, np.diff(t, append=t[-1]), p, bias)[0][:, :, rows]
     if not np.isfinite(y).all():
         return None
     change = np.where(data.there, (y[1:] - y[0]) / problem.sigma[:, None], 0.0)
@@ -109,9 +140,36 @@ def errors_between(t: np.ndarray, values: np.ndarray, sampled: np.ndarray, seed:
     ndarray, shape (draws, N)
         Zero at the samples. In a gap it rises to the middle and falls; gaps are independent.
     """
+    gap, ends, shape = gap_errors(t, values, sampled)
+    size = np.sqrt(0.5 * (ends**2).sum(axis=0))
+    return (
+        np.asarray(normal_draws(size.size, _DRAWS, seed)[:, gap] * size[gap] * shape)
+        if size.size
+        else np.zeros((_DRAWS, t.size))
+    )
+
+
+def gap_errors(t: np.ndarray, values: np.ndarray, sampled: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return how large the errors of an input are between its samples.
+
+    Parameters
+    ----------
+    t, values, sampled
+        See `errors_between`.
+
+    Returns
+    -------
+    gap : ndarray of int, shape (N,)
+        The interval between two samples in which each time lies.
+    ends : ndarray, shape (2, intervals)
+        Error in the middle of each interval by the bend of the input at its beginning and at its end; without intervals where three
+        samples are not there.
+    shape : ndarray, shape (N,)
+        The error in shares of that: zero at the samples, one in the middle.
+    """
     own = np.flatnonzero(sampled)
     if own.size < 3:
-        return np.zeros((_DRAWS, t.size))
+        return np.zeros(t.size, dtype=int), np.zeros((2, 0)), np.zeros(t.size)
     when, shown = t[own], values[own]
     # Each sample left out, against the line between its neighbours.
     span = when[2:] - when[:-2]
@@ -120,8 +178,7 @@ def errors_between(t: np.ndarray, values: np.ndarray, sampled: np.ndarray, seed:
     # A parabola through the same three points is this high above the line in the middle of a gap of unit length.
     bend = np.pad(missed / (4 * share * (1 - share)) / span, 1, mode="edge")
     length = np.diff(when)
-    size = length * np.sqrt(0.5 * (bend[:-1] ** 2 + bend[1:] ** 2))
+    ends = length * np.array([bend[:-1], bend[1:]])
     gap = np.clip(np.searchsorted(own, np.arange(t.size), side="right") - 1, 0, length.size - 1)
     at = np.clip((t - when[gap]) / length[gap], 0.0, 1.0)
-    shape = np.where(sampled, 0.0, size[gap] * 2 * np.minimum(at, 1 - at))
-    return np.asarray(normal_draws(length.size, _DRAWS, seed)[:, gap] * shape)
+    return gap, ends, np.where(sampled, 0.0, 2 * np.minimum(at, 1 - at))

@@ -51,6 +51,9 @@ class TrialData:
         Whether it begins on a steady course, rudder amidships: then states that are not measured begin near zero.
     sampled : ndarray of bool, shape (inputs, N), or None
         Where each input has a sample of its own; between them it is filled. None where all are whole.
+    unsure : ndarray, shape (errors, inputs, N), or None
+        What is left unknown of the inputs between their samples: independent errors, one standard deviation of each, those of all
+        trials in the same order. None where nothing is.
     """
 
     trial: Trial
@@ -64,6 +67,7 @@ class TrialData:
     settled: bool = True
     approached: bool = True
     sampled: np.ndarray | None = None
+    unsure: np.ndarray | None = None
 
     @functools.cached_property
     def there(self) -> np.ndarray:
@@ -122,7 +126,7 @@ class TrialData:
         t = self.t[kept]
         return replace(
             self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, kept], measured=self.measured[:, kept],
-            sampled=None,
+            sampled=None, unsure=None,
         )  # fmt: skip
 
     def shows(self, name: str) -> bool:
@@ -176,7 +180,7 @@ class TrialData:
         """
         return replace(
             self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count],
-            sampled=None,
+            sampled=None, unsure=None,
         )  # fmt: skip
 
     def beginning(self, count: int) -> TrialData:

@@ -14,7 +14,7 @@ import numpy as np
 
 from shipid.estimation.standing import AT_BOUND, UNKNOWN, Standing, standing_of
 from shipid.identification.noise.autoregression import CORRECTIONS, Autoregression, autoregression_of, corrected
-from shipid.identification.noise.filled_inputs import effects_of
+from shipid.identification.noise.filled_inputs import changes_by, effects_of
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
@@ -176,6 +176,7 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
     at = 0
     # Rows whose squares sum to what the inputs, the prior and the bounds add, in the directions of the columns of half.
     added: list[np.ndarray] = []
+    unsure: list[np.ndarray] = []
     for i, data in enumerate(problem.trials):
         count = data.intervals.size
         rows = slice(at, at + count * signals)
@@ -184,8 +185,13 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
         block = scaled[rows][:, used].reshape(signals, count, -1)
         if (effects := effects_of(problem, solution.q, i)) is not None:
             added.append(effects.reshape(len(effects), -1) @ scaled[rows] @ half / np.sqrt(len(effects)))
+        if data.unsure is not None and (changes := changes_by(problem, solution.q, i, data.unsure)) is not None:
+            unsure.append(changes.reshape(len(changes), -1) @ scaled[rows] @ half)
         groups += groups_of(data, i, solution.residual[rows].reshape(signals, count), block, used)
     strength = 1.0 if problem.prior is None else problem.prior.strength
+    if unsure:
+        # An error of all trials moves the coefficients in each of them.
+        added.append(np.sum(unsure, axis=0))
     added.append(np.sqrt(strength) * scaled[at:] @ half)
 
     def rows_under(noise: list[Autoregression]) -> list[np.ndarray]:

@@ -1,0 +1,239 @@
+"""What a rudder does between the samples of a coarse log: found from the residuals, as far as they show it, and followed.
+
+A rudder that goes over in two seconds, logged once a second, sets out and stops between two samples. There the straight line between the
+samples cuts the corner, always to the same side of a bend: in every execute the rudder of the log is smoothed alike. A gain
+is off by that, far beyond its interval where the sensors are good. How far the line is off follows from the bends of the input, as where
+samples are missing (`shipid.identification.noise.filled_inputs`); a little of it depends on when the sample came.
+
+So one unknown says how much of the corners is there: all of it, beforehand, within a share, since rudders have a rate and a lag; or
+nothing at all, where a log of straight lines is what the rudder really did. With it each interval has an error of its own, a random
+effect. The unknown and the spread of those effects come from the likelihood of the residuals, in which the other unknowns are free. The
+inputs are corrected, the search goes on from there, and what is left unknown is put into the covariance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, whitened
+from shipid.identification.noise.filled_inputs import changes_by, gap_errors
+from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
+from shipid.identification.problem.box import Box
+from shipid.identification.problem.trial_data import TrialData
+from shipid.identification.search.least_squares import minimise_robustly
+from shipid.identification.search.solution import Solution
+from shipid.identification.uncertainty.covariance import covariance_of
+from shipid.parameters.draws import normal_draws
+
+#: Of a corner that is cut, the triangle in the middle of each interval that has the same area, in shares of the error by the bends at
+#: its ends: what all corners have in common, the scatter about it, and that of an input that moves within one interval. So it is,
+#: within a fifth, for rudders of constant rate and for machines with a time constant, sampled at L/U/4 and more often.
+_COMMON, _SCATTER, _WITHIN = 0.8, 0.35, 0.8
+#: How much of the common part there is beforehand: all, within so much. Spreads of the scatter that are tried, in shares of its size.
+_SURE, _SPREADS = 0.3, np.concatenate([[0.0], np.geomspace(0.1, 2.0, 20)])
+#: Probability beforehand that there are no corners between the samples: a rudder of straight lines, as a simulation may have it.
+_STRAIGHT = 0.2
+#: Intervals whose errors are looked at one by one; of more random sums stand for all, and those below this share of the largest are nothing.
+_MOST, _SMALL = 96, 0.05
+#: Power of the common error, in variances of the residuals, and standard deviations by which it moves a coefficient, below which it is nothing.
+_NOTHING, _MOVES = 0.05, 0.2
+#: How often the noise is found anew without the errors.
+_TURNS = 3
+#: Singular values below this share of the largest are nothing.
+_TINY = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """How much of the common error there is, its standard deviation, and the mean square of the spread of the others."""
+
+    likelihood: float
+    share: float
+    share_std: float
+    power: float
+    scatter: np.ndarray
+
+
+def follow_corners(solution: Solution, box: Box) -> Solution:
+    """Return the solution with the inputs as they are most likely between their samples.
+
+    Parameters
+    ----------
+    solution : Solution
+        At its optimum on every sample, of least squares.
+    box : Box
+        Bounds of the parameters.
+
+    Returns
+    -------
+    Solution
+        The same where corners move no coefficient, or inputs have missing samples.
+    """
+    problem = solution.problem
+    if not (solution.finite and problem.size) or any(data.sampled is not None for data in problem.trials):
+        return solution
+    levels = [np.array([_size(r) for r in trial]) for trial in problem.by_signal(solution.residual)]
+    errors = [input_errors(data) for data in problem.trials]
+    common = [changes_by(problem, solution.q, i, e[:1]) for i, e in enumerate(errors)]
+    if any(c is None for c in common):
+        return solution
+    shown = sum(float(np.sum((c[0] / level[:, None]) ** 2)) for c, level in zip(common, levels) if c is not None)
+    if not shown > _NOTHING or not _moves(solution, np.concatenate([c.ravel() for c in common if c is not None])):
+        return solution
+    # Errors of single intervals belong to one trial, the common one to all.
+    ends = 1 + np.cumsum([len(e) - 1 for e in errors])
+    every = []
+    for e, end in zip(errors, ends):
+        padded = np.zeros((ends[-1], *e.shape[1:]))
+        padded[0], padded[end - len(e) + 1 : end] = e[0], e[1:]
+        every.append(padded)
+    answers = [changes_by(problem, solution.q, i, e) for i, e in enumerate(every)]
+    if any(a is None for a in answers):
+        return solution
+    found = _weigh(solution, [a for a in answers if a is not None])
+    left = np.concatenate([[found.share_std], np.full(ends[-1] - 1, np.sqrt(found.power))])
+    trials = tuple(
+        replace(data, inputs=data.inputs + found.share * e[0], unsure=left[:, None, None] * e)
+        for data, e in zip(problem.trials, every)
+    )
+    followed = minimise_robustly(replace(problem, trials=trials), solution.q, box, most=100)
+    followed = replace(followed, evaluations=solution.evaluations + followed.evaluations)
+    if not followed.finite:
+        return solution
+    step = followed.q - solution.q
+    others = tuple(replace(o, problem=replace(o.problem, trials=trials), q=o.q + step) for o in solution.others)
+    return replace(followed, others=others)
+
+
+def input_errors(data: TrialData) -> np.ndarray:
+    """Return changes of the samples of the inputs that have the area of an error between them, shape (1 + errors, inputs, N).
+
+    Parameters
+    ----------
+    data : TrialData
+        A trial whose inputs are sampled in every row.
+
+    Returns
+    -------
+    ndarray
+        The first is the correction of all corners, the others are one standard deviation of each interval's own error.
+    """
+    t = data.t
+    steps = np.diff(t)
+    common, alone = np.zeros((1, *data.inputs.shape)), []
+    for k, values in enumerate(data.inputs):
+        if t.size < 3 or not np.ptp(values) > 0:
+            continue
+        _, (early, late), _ = gap_errors(t, values, np.ones(t.size, dtype=bool))
+        # In longer intervals samples are missing, and errors are drawn for that.
+        whole = steps <= 1.5 * np.median(steps)
+        common[0, k] = _at_samples(steps, np.where(whole, _COMMON * 0.5 * (early + late), 0.0)[None])[0]
+        square = _SCATTER**2 * 0.5 * (early**2 + late**2) + _WITHIN**2 * np.maximum(-early * late, 0.0)
+        size = np.where(whole, np.sqrt(square), 0.0)
+        at = np.flatnonzero(size > _SMALL * size.max())
+        drawn = np.eye(at.size) if at.size <= _MOST else normal_draws(at.size, _MOST, k) / np.sqrt(_MOST)
+        gaps = np.zeros((len(drawn), steps.size))
+        gaps[:, at] = drawn * size[at]
+        rows = np.zeros((len(drawn), *data.inputs.shape))
+        rows[:, k] = _at_samples(steps, gaps)
+        alone.append(rows)
+    return np.concatenate([common, *alone])
+
+
+def _at_samples(steps: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """Changes of the samples whose straight lines have the areas of triangles so high in the middle of the intervals."""
+    half = 0.25 * middle * steps
+    width = 0.5 * (np.pad(steps, (1, 0)) + np.pad(steps, (0, 1)))
+    return np.asarray((np.pad(half, ((0, 0), (1, 0))) + np.pad(half, ((0, 0), (0, 1)))) / width)
+
+
+def _moves(solution: Solution, change: np.ndarray) -> bool:
+    """Whether a change of the residuals moves a coefficient by more than a small share of its standard deviation."""
+    shared = len(solution.problem.estimated)
+    norms = np.linalg.norm(solution.jacobian, axis=0)
+    norms = np.where(norms > 0, norms, 1.0)
+    whole = np.pad(change, (0, solution.residual.size - change.size))
+    step = np.linalg.lstsq(solution.jacobian / norms, whole, rcond=_TINY)[0] / norms
+    spread = np.sqrt(np.diag(covariance_of(replace(solution, others=())).matrix)[:shared])
+    return bool((np.abs(step[:shared]) > _MOVES * spread).any())
+
+
+def _size(residual: np.ndarray) -> float:
+    """Root mean square of the samples that are there; one where none is."""
+    there = residual[np.isfinite(residual)]
+    return float(np.sqrt(np.mean(there**2))) or 1.0 if there.size else 1.0
+
+
+def _weigh(solution: Solution, answers: Sequence[np.ndarray]) -> _Found:
+    """How much of the errors the residuals hold, from their changes by each, shape (errors, signals, N) for each trial."""
+    problem, signals = solution.problem, len(solution.problem.signals)
+    norms = np.linalg.norm(solution.jacobian, axis=0)
+    scaled = solution.jacobian / np.where(norms > 0, norms, 1.0)
+    groups: list[ResidualGroup] = []
+    at, every = 0, np.arange(problem.size)
+    along = np.zeros((problem.size, len(answers[0])))
+    for i, (data, answer) in enumerate(zip(problem.trials, answers)):
+        count = data.intervals.size
+        rows = slice(at, at + count * signals)
+        at += count * signals
+        changes = np.moveaxis(answer, 0, -1)
+        along += scaled[rows].T @ changes.reshape(count * signals, -1)
+        both = np.concatenate([scaled[rows].reshape(signals, count, -1), changes], axis=2)
+        groups += groups_of(data, i, solution.residual[rows].reshape(signals, count), both, every)
+    # What an error leaves in the residuals when the unknowns have followed it.
+    moved = np.linalg.pinv(scaled.T @ scaled, rcond=_TINY**2, hermitian=True) @ along
+    left = [g.jacobian[:, :, problem.size :] - g.jacobian[:, :, : problem.size] @ moved for g in groups]
+    best: _Found | None = None
+    for _ in range(_TURNS):
+        size = np.zeros(along.shape[1]) if best is None else np.concatenate([[best.share], best.scatter])
+        noise = [autoregression_of(g.residual + e @ size) for g, e in zip(groups, left)]
+        found = _weighed(groups, noise, problem.size)
+        if best is not None and found.likelihood <= best.likelihood:
+            break
+        best = found
+    assert best is not None, "there is one turn at least"
+    return best
+
+
+def _weighed(groups: Sequence[ResidualGroup], noise: Sequence[Autoregression], unknowns: int) -> _Found:
+    """The posterior of the errors under one noise: the residuals are noise less the errors, and the unknowns are free."""
+    whole, volume = [], 0.0
+    for g, model in zip(groups, noise):
+        white, log_volume = whitened(model, np.concatenate([g.residual[:, :, None], g.jacobian], axis=2))
+        whole.append(white)
+        volume += log_volume
+    together = np.concatenate(whole)
+    left, sizes, _ = np.linalg.svd(together[:, 1 : 1 + unknowns], full_matrices=False)
+    basis = left[:, sizes > _TINY * sizes.max(initial=0.0)]
+    kept = np.delete(together, np.s_[1 : 1 + unknowns], axis=1)
+    kept = kept - basis @ (basis.T @ kept)
+    residual, common, alone = -kept[:, 0], kept[:, 1], kept[:, 2:]
+    information, vectors = np.linalg.eigh(alone.T @ alone)
+    information = np.clip(information, 0.0, None)
+    of_residual, of_common = (vectors.T @ (alone.T @ x) for x in (residual, common))
+    square = _SPREADS[:, None] ** 2
+    # Products under the noise and the errors of single intervals.
+    shrunk = square / (1 + square * information)
+    precision = common @ common - shrunk @ of_common**2 + _SURE**-2
+    mean = (common @ residual - shrunk @ (of_common * of_residual) + _SURE**-2) / precision
+    gains = 0.5 * (shrunk @ of_residual**2 - np.log1p(square * information).sum(axis=1))
+    gains += 0.5 * (mean**2 * precision - _SURE**-2 - np.log(precision * _SURE**2))
+    beforehand = np.exp(-0.5 * _SPREADS**2) * np.gradient(_SPREADS)
+    chances = np.append((1 - _STRAIGHT) * beforehand / beforehand.sum(), _STRAIGHT)
+    # The last is the rudder of straight lines.
+    gains, mean = np.append(gains, 0.0), np.append(mean, 0.0)
+    variance = np.append(1 / precision, 0.0)
+    density = chances * np.exp(gains - gains.max())
+    chance = density / density.sum()
+    middle = float(chance @ mean)
+    scatter = chance[:-1] @ (shrunk * (of_residual - mean[:-1, None] * of_common))
+    return _Found(
+        -0.5 * (volume + float(residual @ residual)) + float(gains.max() + np.log(density.sum())),
+        middle,
+        float(np.sqrt(chance @ (variance + (mean - middle) ** 2))),
+        float(chance[:-1] @ _SPREADS**2),
+        vectors @ scatter,
+    )
