@@ -30,7 +30,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.loading import with_load_part
 from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
 from shipid.identification.noise.coefficients_apart import coefficients_apart
-from shipid.identification.noise.whitened import WHITENED, whitened
+from shipid.identification.noise.whitened import WHITENED, on_white_residuals
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.dead_time import with_dead_time
 from shipid.identification.problem.first_weights import first_weights, given_weights
@@ -241,7 +241,7 @@ def _by_another_method(problem: Problem, box: Box, method: Method | None, how: S
 
 def _whitened(found: _Found) -> _Found:
     """The same from whitened residuals, where they have a colour and the search leads somewhere."""
-    solution = whitened(found.solution) if found.solution.converged else None
+    solution = on_white_residuals(found.solution) if found.solution.converged else None
     why = f"The rudder follows the heading, and noise that lasts with it, which biases output error: {WHITENED}."
     rungs = tuple(replace(r, reason=f"{why} {r.reason}") if r.used else r for r in found.rungs)
     return found if solution is None else replace(found, solution=solution, rungs=rungs)
@@ -262,7 +262,7 @@ def _by_lasting_sensors(
         return before
     words = levels.lasting.words
     if answers:
-        better = whitened(solution)
+        better = on_white_residuals(solution)
         words += ". The rudder answers it, which biases output error" + (f": {WHITENED}" if better else "")
         solution = better or solution
     at = None

@@ -86,20 +86,6 @@ class Autoregression:
         whole = np.fft.irfft(np.einsum("fij,jfq->ifq", density, spectrum, optimize=True), length, axis=1)
         return np.asarray(whole[:, : jacobian.shape[1]])
 
-    def whitened(self, series: np.ndarray) -> np.ndarray:
-        """Return what is new in each sample, in units of its standard deviation, shape (signals, N - order, ...).
-
-        Parameters
-        ----------
-        series : ndarray, shape (signals, N, ...)
-            Residuals, or their derivatives.
-        """
-        count = series.shape[1]
-        new = series[:, self.order :].copy()
-        for k, step in enumerate(self.steps, start=1):
-            new -= np.tensordot(step, series[:, self.order - k : count - k], axes=1)
-        return np.asarray(np.tensordot(np.linalg.inv(np.linalg.cholesky(self.drive)), new, axes=1))
-
     def _spectra(self, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
         """Transform of the Jacobian over twice its length, and the filter from a white unit drive to the residuals."""
         signals, count, _ = jacobian.shape

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shipid.identification.noise.autoregression import Autoregression, autoregression_of
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, whitened
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
 from shipid.identification.problem.output_error import RUNAWAY
 from shipid.identification.search.solution import Solution
@@ -24,7 +24,7 @@ WHITENED = "the residuals are whitened by their autoregression (generalized leas
 _STEPS, _SETTLED, _SMALL = 30, 8, 0.01
 
 
-def whitened(solution: Solution) -> Solution | None:
+def on_white_residuals(solution: Solution) -> Solution | None:
     """Return the solution with residuals whitened by their autoregression.
 
     Parameters
@@ -46,7 +46,7 @@ def whitened(solution: Solution) -> Solution | None:
         groups, rest = _groups(solution, residual, jacobian)
         if k < _SETTLED:
             noises = [autoregression_of(g.residual) for g in groups]
-        rows = [(rest[0], rest[1]), *(_rows(g, noise, problem.size) for g, noise in zip(groups, noises))]
+        rows = [rest, *(_rows(g, noise, problem.size) for g, noise in zip(groups, noises))]
         slopes = np.vstack([j for _, j in rows])
         information = slopes.T @ slopes
         cover = covariance_by(information)
@@ -83,6 +83,7 @@ def _groups(
 
 def _rows(group: ResidualGroup, noise: Autoregression, size: int) -> tuple[np.ndarray, np.ndarray]:
     """Whitened residuals of a series and their slopes by all unknowns."""
-    slopes = np.zeros((len(group.residual) * (group.residual.shape[1] - noise.order), size))
-    slopes[:, group.used] = noise.whitened(group.jacobian).reshape(len(slopes), -1)
-    return noise.whitened(group.residual).ravel(), slopes
+    white, _ = whitened(noise, np.concatenate([group.residual[:, :, None], group.jacobian], axis=2))
+    slopes = np.zeros((len(white), size))
+    slopes[:, group.used] = white[:, 1:]
+    return white[:, 0], slopes

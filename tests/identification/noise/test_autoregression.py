@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import solve_discrete_lyapunov, toeplitz
 from scipy.signal import lfilter
 
-from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected, whitened
 from shipid.identification.noise.residual_groups import gathered
 
 
@@ -107,15 +107,15 @@ def test_of_signals_that_drive_each_other_everything_is_put_back():
 
 def test_what_is_new_in_each_sample_is_white():
     """And of derivatives the same combination is taken."""
-    colour, rng = Autoregression(COUPLED, DRIVE), np.random.default_rng(3)
-    drive = np.linalg.cholesky(DRIVE) @ rng.standard_normal((2, 4000))
+    rng, count = np.random.default_rng(3), 4000
+    drive = np.linalg.cholesky(DRIVE) @ rng.standard_normal((2, count))
     series = drive.copy()
-    for t in range(colour.order, 4000):
+    for t in range(len(COUPLED), count):
         series[:, t] += sum(a @ series[:, t - k] for k, a in enumerate(COUPLED, start=1))
-    new = colour.whitened(series)
-    assert new == pytest.approx(np.linalg.solve(np.linalg.cholesky(DRIVE), drive[:, colour.order :]))
-    both = colour.whitened(np.stack([series, 2 * series], axis=2))
-    assert both[:, :, 1] == pytest.approx(2 * new)
+    white, _ = whitened(Autoregression(COUPLED, DRIVE), np.stack([series, 2 * series], axis=2))
+    new = np.linalg.solve(np.linalg.cholesky(DRIVE), drive)
+    assert white[:, 0] == pytest.approx(new[:, count - len(white) // 2 :].ravel(), abs=1e-6)
+    assert white[:, 1] == pytest.approx(2 * white[:, 0])
 
 
 def test_what_a_fit_took_up_is_put_back():
