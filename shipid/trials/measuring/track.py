@@ -16,6 +16,9 @@ from shipid.trials.trial import Trial
 _JUMP = 0.02
 """Positions that jump by this share of a distance leave it unknown."""
 
+_DRIVES = 0.5
+"""Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
+
 
 def speed(trial: Trial) -> np.ndarray | None:
     """Return the speed over all [m/s], shape (n,), or None where the trial has no speed.
@@ -283,3 +286,24 @@ class TurnTrack:
                     along, across = self.moved(quarter)
                     result[name] = along if name == "advance" else across
         return result
+
+
+def driven_until(trial: Trial, when: float) -> float:
+    """Return when the propeller no longer drives the ship as at the execute, infinite where the log does not show it [s].
+
+    A record is often stopped by the propeller first, with the rudder still over: what the ship does then is no steady turn.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    when : float
+        The execute [s].
+    """
+    if not trial.has("n"):
+        return float("inf")
+    t, n = trial["t"], trial["n"]
+    before = n[(t <= when) & np.isfinite(n)]
+    usual = float(np.median(before[-50:])) if before.size else 0.0
+    stopped = np.flatnonzero((t > when) & (n * np.sign(usual) < _DRIVES * abs(usual)))
+    return float(t[stopped[0]]) if stopped.size else float("inf")

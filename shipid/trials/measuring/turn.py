@@ -17,7 +17,14 @@ from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
 from shipid.trials.measuring.rudder.late import in_words, not_told, turn_by_clock, turn_notes, turn_setting_out
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import TurnTrack, drift, over_ground_notes, speed_channel, track_channels
+from shipid.trials.measuring.track import (
+    TurnTrack,
+    drift,
+    driven_until,
+    over_ground_notes,
+    speed_channel,
+    track_channels,
+)
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.course_change import ends_on_course
@@ -46,9 +53,6 @@ _INEXACT = 0.015
 
 _ACROSS = 0.05
 """A track that leads to the other side by more than this share of the advance is not that of the turn."""
-
-_DRIVES = 0.5
-"""Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
 
 
 def turning_plate(steering: Steering, psi: Channel) -> Plate | None:
@@ -313,27 +317,6 @@ def _released(steering: Steering, plate: Plate) -> float:
         return steering.end
     on = np.flatnonzero(plate.side * steering.channel.y[: plate.last] >= (1 - LEFT) * abs(plate.angle))
     return float(steering.channel.t[int(on[-1])])
-
-
-def driven_until(trial: Trial, when: float) -> float:
-    """Return when the propeller no longer drives the ship as at the execute, infinite where the log does not show it [s].
-
-    A record is often stopped by the propeller first, with the rudder still over: what the ship does then is no steady turn.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-    when : float
-        The execute [s].
-    """
-    if not trial.has("n"):
-        return float("inf")
-    t, n = trial["t"], trial["n"]
-    before = n[(t <= when) & np.isfinite(n)]
-    usual = float(np.median(before[-50:])) if before.size else 0.0
-    stopped = np.flatnonzero((t > when) & (n * np.sign(usual) < _DRIVES * abs(usual)))
-    return float(t[stopped[0]]) if stopped.size else float("inf")
 
 
 def _steady(
