@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import shipid
-from shipid.trials.doctor.autopilot_steers import autopilot_steers
+from shipid.trials.doctor.autopilot_steers import autopilot_steers, rudder_answers
 
 
 @pytest.fixture(scope="module")
@@ -138,3 +140,16 @@ def test_a_zigzag_in_waves_is_not_whitened() -> None:
     """Her helmsman waits for the heading; what he does between is no answer to noise."""
     trial = shipid.simulate("nomoto", "zeefakkel", "zigzag:20/20", waves="1 deg from 40 deg", noise="standard", seed=1)
     assert not shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1).identified.solution.whitened
+
+
+def test_samples_of_the_rudder_that_are_missing_do_not_matter() -> None:
+    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
+    trial = shipid.sail(
+        pilot, [("20 s", "20 deg")], waves="2 deg from 40 deg", duration="300 s", sampling="1 s", seed=3
+    )
+    assert rudder_answers(trial, 9.0) and not rudder_answers(trial, 1.0)
+    holes = trial.table.assign(delta=trial["delta"])
+    holes.loc[::7, "delta"] = np.nan
+    assert rudder_answers(replace(trial, table=holes), 9.0)
+    assert not rudder_answers(replace(trial, table=holes.assign(delta=np.nan)), 9.0)
+    assert not rudder_answers(replace(trial, table=holes.drop(columns=["delta", "delta_order"])), 9.0)

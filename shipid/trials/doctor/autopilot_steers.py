@@ -54,7 +54,11 @@ def rudder_answers(trial: Trial, unit_time: float) -> bool:
     """
     if any(f.kind == "closed-loop" and f.confidence >= LEAST for f in _steering(trial)):
         return True
-    held = [trial["t"][p.last - 1] - trial["t"][p.first] for p in plates(trial["delta"])] if trial.has("delta") else []
+    there = np.isfinite(trial["delta"]) if trial.has("delta") else np.zeros(0, dtype=bool)
+    if not there.any():
+        return False
+    t = trial["t"][there]
+    held = [t[p.last - 1] - t[p.first] for p in plates(trial["delta"][there])]
     return len(held) >= _MANY and float(np.median(held)) < unit_time
 
 
