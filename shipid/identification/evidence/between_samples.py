@@ -42,6 +42,8 @@ _MOST, _SMALL = 96, 0.05
 _NOTHING, _MOVES = 0.05, 0.2
 #: How often the noise is found anew without the errors.
 _TURNS = 3
+#: Weighted residuals below this are rounding: the rudder of a record without noise is what the model was sailed with.
+_EXACT = 1e-6
 #: Singular values below this share of the largest are nothing.
 _TINY = 1e-8
 
@@ -70,12 +72,15 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
     Returns
     -------
     Solution
-        The same where corners move no coefficient, or inputs have missing samples.
+        The same where corners move no coefficient, inputs have missing samples, or a signal has no noise.
     """
     problem = solution.problem
     if not (solution.finite and problem.size) or any(data.sampled is not None for data in problem.trials):
         return solution
-    levels = [np.array([_size(r) for r in trial]) for trial in problem.by_signal(solution.residual)]
+    split = problem.by_signal(solution.residual)
+    if any(np.isfinite(r).any() and not np.nanmax(np.abs(r)) > _EXACT for trial in split for r in trial):
+        return solution
+    levels = [np.array([_size(r) for r in trial]) for trial in split]
     errors = [input_errors(data) for data in problem.trials]
     common = [changes_by(problem, solution.q, i, e[:1]) for i, e in enumerate(errors)]
     if any(c is None for c in common):

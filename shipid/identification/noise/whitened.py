@@ -46,6 +46,8 @@ def on_white_residuals(solution: Solution) -> Solution | None:
         groups, rest = _groups(solution, residual, jacobian)
         if k < _SETTLED:
             noises = [autoregression_of(g.residual) for g in groups]
+        if any(not np.trace(noise.drive) > 0 for noise in noises):
+            return None
         rows = [rest, *(_rows(g, noise, problem.size) for g, noise in zip(groups, noises))]
         slopes = np.vstack([j for _, j in rows])
         information = slopes.T @ slopes

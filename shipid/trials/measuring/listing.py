@@ -12,7 +12,7 @@ _KINDS = {"zigzag": "zig-zag", "turn": "turning circle"}
 _AROUND = 0.5
 """A manoeuvre is measured with this share of its duration before and after it, as far as nothing else is sailed there."""
 _AT_ONCE = 0.1
-"""A manoeuvre that follows another within this share of its duration begins from the rudder of that one, which belongs to it."""
+"""A turn that follows another manoeuvre within this share of its duration begins from the rudder of that one, which belongs to it."""
 _MOST = 0.3
 """A manoeuvre that is a smaller share of its record is measured in its own window, even where it is the only one."""
 _CIRCLE = 270.0
@@ -74,7 +74,7 @@ def manoeuvres_in(trial: Trial, diagnosis: Diagnosis) -> tuple[ListedManoeuvre, 
         after = sailed[k + 1 + pull_out].start if k + 1 + pull_out < len(sailed) else float(t[-1])
         around = _AROUND * (found.end - found.start)
         end = sailed[k + 1].end if pull_out else found.end
-        if k and found.start - before < _AT_ONCE * (found.end - found.start):
+        if k and _KINDS[found.kind] == "turning circle" and found.start - before < _AT_ONCE * (found.end - found.start):
             # The rudder goes over from one side to the other: the order is given while the manoeuvre before it ends.
             whole = sailed[k - 2] if k > 1 and sailed[k - 1].kind == "pull-out" else sailed[k - 1]
             before = max(whole.start, whole.end - _AT_ONCE * (found.end - found.start))

@@ -40,8 +40,9 @@ def test_a_table_of_pandas_is_told_how_it_becomes_a_trial():
 def test_a_filter_says_what_it_takes():
     ekf = shipid.ExtendedKalmanFilter("nomoto", "soesterberg", measured={"psi": "0.2 deg"})
     trial = shipid.read_trial(LOG)
-    with pytest.raises(UsageError, match=r"this is a PosixPath|this is a WindowsPath"):
-        ekf.filter(LOG)
+    assert (ekf.filter(LOG).std == ekf.filter(trial).std).all()
+    with pytest.raises(UsageError, match=r"this is a DataFrame"):
+        ekf.filter(trial.to_frame())
     for verb in (ekf.smooth, ekf.observability):
         with pytest.raises(UsageError, match=r"what filter.record. returned, a FilterRun, and not a Trial"):
             verb(trial)
