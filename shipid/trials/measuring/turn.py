@@ -285,7 +285,8 @@ def _other_way(found: Mapping[str, float | None]) -> str | None:
 def _unsteady(moving: Channel, when: float, calm: float, way: float, approach: float) -> list[str]:
     """Say so where the speed rose or fell before the order: the distances are not those from a steady approach."""
     before = (moving.t >= when - max(way, 4 * calm)) & (moving.t <= when)
-    if before.sum() < 8:
+    # A heading that jumps by a quarter of a turn at the order leaves no way.
+    if before.sum() < 8 or way <= 0:
         return []
     t, y = moving.t[before] - when, moving.y[before]
     if (-t[0] < 2 * calm) or moving.hole(when - 2 * calm, when) is not None:
