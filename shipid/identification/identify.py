@@ -253,7 +253,7 @@ def _by_lasting_sensors(
     """Output error, for a filter with noise levels at its coefficients, where what the sensors show lasts and moves no ship.
 
     An autopilot answers it with the rudder, which biases output error, and leaves prediction error, that takes it for a force on the
-    ship, without a gain: there the residuals are whitened.
+    ship, without a gain: there the residuals are whitened. Where that leads nowhere prediction error stands, which says so.
     """
     found = _by_residuals(problem, box, None, how, records)
     levels, solution = before.solution.levels, found.solution
@@ -262,9 +262,9 @@ def _by_lasting_sensors(
         return before
     words = levels.lasting.words
     if answers:
-        better = on_white_residuals(solution)
-        words += ". The rudder answers it, which biases output error" + (f": {WHITENED}" if better else "")
-        solution = better or solution
+        if (better := on_white_residuals(solution)) is None:
+            return before
+        solution, words = better, f"{words}. The rudder answers it, which biases output error: {WHITENED}"
     at = None
     if filtered:
         seen = replace(problem, sigma=residual_levels(solution))
