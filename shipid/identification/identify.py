@@ -241,7 +241,7 @@ def _by_another_method(problem: Problem, box: Box, method: Method | None, how: S
 
 def _whitened(found: _Found) -> _Found:
     """The same from whitened residuals, where they have a colour and the search leads somewhere."""
-    solution = on_white_residuals(found.solution) if found.solution.converged else None
+    solution = on_white_residuals(found.solution, found.box) if found.solution.converged else None
     why = f"The rudder follows the heading, and noise that lasts with it, which biases output error: {WHITENED}."
     rungs = tuple(replace(r, reason=f"{why} {r.reason}") if r.used else r for r in found.rungs)
     return found if solution is None else replace(found, solution=solution, rungs=rungs)
@@ -262,7 +262,7 @@ def _by_lasting_sensors(
         return before
     words = levels.lasting.words
     if answers:
-        if (better := on_white_residuals(solution)) is None:
+        if (better := on_white_residuals(solution, box)) is None:
             return before
         solution, words = better, f"{words}. The rudder answers it, which biases output error: {WHITENED}"
     at = None

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.identification.noise.whitened import on_white_residuals
 from shipid.trials.doctor.autopilot_steers import autopilot_steers, rudder_answers
 
 
@@ -151,5 +152,24 @@ def test_samples_of_the_rudder_that_are_missing_do_not_matter() -> None:
     holes = trial.table.assign(delta=trial["delta"])
     holes.loc[::7, "delta"] = np.nan
     assert rudder_answers(replace(trial, table=holes), 9.0)
-    assert not rudder_answers(replace(trial, table=holes.assign(delta=np.nan)), 9.0)
+    assert rudder_answers(replace(trial, table=holes.assign(delta=np.nan)), 9.0)
+    assert not rudder_answers(replace(trial, table=holes.assign(delta=np.nan, delta_order=np.nan)), 9.0)
     assert not rudder_answers(replace(trial, table=holes.drop(columns=["delta", "delta_order"])), 9.0)
+
+
+def test_whitened_coefficients_beyond_their_bounds_are_no_result() -> None:
+    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
+    orders = [(f"{30 + 140 * k} s", "20 deg" if k % 2 == 0 else "0 deg") for k in range(6)]
+    trial = shipid.sail(
+        pilot,
+        orders,
+        waves="1 deg from 40 deg",
+        noise="psi=0.2 deg,r=0.05 deg/s",
+        duration="900 s",
+        sampling="1 s",
+        seed=3,
+    )
+    plain = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, method="output-error").identified
+    assert on_white_residuals(plain.solution, plain.box).whitened
+    narrow = replace(plain.box, high=1.05 * plain.solution.parameters)
+    assert on_white_residuals(plain.solution, narrow) is None

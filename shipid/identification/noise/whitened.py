@@ -14,6 +14,7 @@ import numpy as np
 
 from shipid.identification.noise.autoregression import Autoregression, autoregression_of, whitened
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import RUNAWAY
 from shipid.identification.search.solution import Solution
 from shipid.identification.search.unseen import covariance_by
@@ -24,18 +25,20 @@ WHITENED = "the residuals are whitened by their autoregression (generalized leas
 _STEPS, _SETTLED, _SMALL = 30, 8, 0.01
 
 
-def on_white_residuals(solution: Solution) -> Solution | None:
+def on_white_residuals(solution: Solution, box: Box) -> Solution | None:
     """Return the solution with residuals whitened by their autoregression.
 
     Parameters
     ----------
     solution : Solution
         Of output error, at its optimum.
+    box : Box
+        Bounds of the parameters.
 
     Returns
     -------
     Solution or None
-        With the covariance of the unknowns; None where the residuals have no colour, or the search leads nowhere.
+        With the covariance of the unknowns; None where the residuals have no colour, or the search leads nowhere or out of the bounds.
     """
     problem, q = solution.problem, solution.q
     noises: list[Autoregression] = []
@@ -62,6 +65,9 @@ def on_white_residuals(solution: Solution) -> Solution | None:
         return None
     residual, jacobian = problem.residuals(q)
     if not any(noise.order for noise in noises) or not (np.abs(residual) < RUNAWAY).all():
+        return None
+    parameters = q[: len(problem.estimated)]
+    if (parameters < box.low).any() or (parameters > box.high).any():
         return None
     return replace(solution, q=q, residual=residual, jacobian=jacobian, covariance=cover, others=(), whitened=True)
 

@@ -179,15 +179,19 @@ def _lost_speed(identified: Identified) -> float:
     return max((1.0 - low / high for low, high in (s for s in seen if s is not None) if high > 0), default=0.0)
 
 
-def _held_on(trial: Trial, measured: TurningCircle) -> tuple[np.ndarray, np.ndarray]:
+def _held_on(trial: Trial, measured: TurningCircle) -> tuple[np.ndarray, np.ndarray] | None:
     """Rows and times of a turn that goes on: a ship that turns more slowly is not through when the record ends.
 
-    What stands at the end of the turn, before the rudder is put back or the propeller stopped, is held for several times as long.
+    What stands at the end of the turn, before the rudder is put back or the propeller stopped, is held for several times as long; None
+    where the propeller stops before the rudder is over.
     """
     t, begin = trial["t"], measured.first_execute or 0.0
     rudder = trial["delta" if trial.has("delta") else "delta_order"]
     over = np.abs(rudder) >= 0.5 * abs(measured.rudder or 0.0)
-    last = int(np.flatnonzero(over & (t < driven_until(trial, begin)))[-1])
+    turning = np.flatnonzero(over & (t < driven_until(trial, begin)))
+    if not turning.size:
+        return None
+    last = int(turning[-1])
     step = float(np.median(np.diff(t)))
     more = int(_LONGER * (t[last] - begin) / step)
     rows = np.concatenate([np.arange(last + 1), np.full(more, last)])
@@ -218,8 +222,8 @@ def _circle(
 
     point, *drawn = turned(runs, np.arange(len(trial)), trial["t"])
     slow = [k for k, d in enumerate(drawn) if any(d.get(n) is None for n, v in point.items() if v is not None)]
-    if slow:
-        longer = turned([runs.drawn[k] for k in slow], *_held_on(trial, measured))
+    if slow and (held := _held_on(trial, measured)) is not None:
+        longer = turned([runs.drawn[k] for k in slow], *held)
         for k, found in zip(slow, longer):
             drawn[k] = {n: found.get(n) if (own := drawn[k].get(n)) is None else own for n in TURN}
     # A model that is told the speed turns at that of the approach: the ship loses some in a circle, and her path is shorter.

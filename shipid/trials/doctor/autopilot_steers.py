@@ -54,11 +54,12 @@ def rudder_answers(trial: Trial, unit_time: float) -> bool:
     """
     if any(f.kind == "closed-loop" and f.confidence >= LEAST for f in _steering(trial)):
         return True
-    there = np.isfinite(trial["delta"]) if trial.has("delta") else np.zeros(0, dtype=bool)
-    if not there.any():
+    name = next((n for n in ("delta", "delta_order") if trial.has(n) and np.isfinite(trial[n]).any()), None)
+    if name is None:
         return False
+    there = np.isfinite(trial[name])
     t = trial["t"][there]
-    held = [t[p.last - 1] - t[p.first] for p in plates(trial["delta"][there])]
+    held = [t[p.last - 1] - t[p.first] for p in plates(trial[name][there])]
     return len(held) >= _MANY and float(np.median(held)) < unit_time
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import shipid
 from shipid.identification.uncertainty.draws import band_of, draws_of
-from shipid.identification.validation.bands import manoeuvres_of
+from shipid.identification.validation.bands import _held_on, manoeuvres_of
 from shipid.identification.validation.closed_loop import helmsman_of
 from shipid.identification.validation.trial_measures import measured_circle
 from shipid.report.write_report import render
@@ -70,6 +70,14 @@ def test_a_ship_that_turns_more_slowly_than_the_record_lasts_is_in_the_band(fit,
         whole, cut = found["whole"].turn[name], found["short"].turn[name]
         assert cut.predicted == pytest.approx(whole.predicted, rel=0.01)
         assert cut.band95 == pytest.approx(whole.band95, rel=0.01)
+
+
+def test_a_turn_whose_propeller_stops_at_once_is_not_sailed_on(sail):
+    trial = sail("de-keizer", "soesterberg", "turn:20", noise="none", name="turn")
+    circle = measured_circle(trial, None)
+    revolutions = np.where(trial["t"] <= circle.first_execute, 2.0, 0.0)
+    assert _held_on(trial, circle) is not None
+    assert _held_on(replace(trial, table=trial.table.assign(n=revolutions)), circle) is None
 
 
 def test_the_prediction_in_the_band_is_the_one_of_the_fit(fit):
