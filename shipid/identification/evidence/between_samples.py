@@ -33,9 +33,12 @@ from shipid.parameters.draws import normal_draws
 #: within a fifth, for rudders of constant rate and for machines with a time constant, sampled at L/U/4 and more often.
 _COMMON, _SCATTER, _WITHIN = 0.8, 0.35, 0.8
 #: How much of the common part there is beforehand: all, within so much. Spreads of the scatter that are tried, in shares of its size.
-_SURE, _SPREADS = 0.3, np.concatenate([[0.0], np.geomspace(0.1, 2.0, 20)])
+_SURE, _SPREADS = 0.45, np.concatenate([[0.0], np.geomspace(0.1, 2.0, 20)])
 #: Probability beforehand that there are no corners between the samples: a rudder of straight lines, as a simulation may have it.
 _STRAIGHT = 0.2
+#: Kinds of corners, each with a share of its own: those at which a rudder sets out, and those at which it stops. Where orders and samples
+#: have one clock, all of a kind come at the same part of an interval.
+_KINDS = 2
 #: Intervals whose errors are looked at one by one; of more random sums stand for all, and those below this share of the largest are nothing.
 _MOST, _SMALL = 96, 0.05
 #: Power of the common error, in variances of the residuals, and standard deviations by which it moves a coefficient, below which it is nothing.
@@ -53,8 +56,8 @@ class _Found:
     """How much of the common error there is, its standard deviation, and the mean square of the spread of the others."""
 
     likelihood: float
-    share: float
-    share_std: float
+    share: np.ndarray
+    share_root: np.ndarray
     power: float
     scatter: np.ndarray
 
@@ -82,26 +85,32 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
         return solution
     levels = [np.array([_size(r) for r in trial]) for trial in split]
     errors = [input_errors(data) for data in problem.trials]
-    common = [changes_by(problem, solution.q, i, e[:1]) for i, e in enumerate(errors)]
-    if any(c is None for c in common):
+    found_common = [changes_by(problem, solution.q, i, e[:_KINDS]) for i, e in enumerate(errors)]
+    common = [c for c in found_common if c is not None]
+    if len(common) < len(found_common):
         return solution
-    shown = sum(float(np.sum((c[0] / level[:, None]) ** 2)) for c, level in zip(common, levels) if c is not None)
-    if not shown > _NOTHING or not _moves(solution, np.concatenate([c.ravel() for c in common if c is not None])):
+    shown = sum(np.sum((c / level[:, None]) ** 2, axis=(1, 2)) for c, level in zip(common, levels))
+    whole = np.concatenate([c.reshape(_KINDS, -1) for c in common], axis=1)
+    if not (shown > _NOTHING).any() or not _moves(solution, whole):
         return solution
     # Errors of single intervals belong to one trial, the common one to all.
-    ends = 1 + np.cumsum([len(e) - 1 for e in errors])
+    ends = _KINDS + np.cumsum([len(e) - _KINDS for e in errors])
     every = []
     for e, end in zip(errors, ends):
         padded = np.zeros((ends[-1], *e.shape[1:]))
-        padded[0], padded[end - len(e) + 1 : end] = e[0], e[1:]
+        padded[:_KINDS], padded[end - len(e) + _KINDS : end] = e[:_KINDS], e[_KINDS:]
         every.append(padded)
     answers = [changes_by(problem, solution.q, i, e) for i, e in enumerate(every)]
     if any(a is None for a in answers):
         return solution
     found = _weigh(solution, [a for a in answers if a is not None])
-    left = np.concatenate([[found.share_std], np.full(ends[-1] - 1, np.sqrt(found.power))])
+    left = np.full(ends[-1] - _KINDS, np.sqrt(found.power))
     trials = tuple(
-        replace(data, inputs=data.inputs + found.share * e[0], unsure=left[:, None, None] * e)
+        replace(
+            data,
+            inputs=data.inputs + np.tensordot(found.share, e[:_KINDS], axes=1),
+            unsure=np.concatenate([np.tensordot(found.share_root, e[:_KINDS], axes=1), left[:, None, None] * e[_KINDS:]]),
+        )
         for data, e in zip(problem.trials, every)
     )
     followed = minimise_robustly(replace(problem, trials=trials), solution.q, box, most=100)
@@ -128,14 +137,18 @@ def input_errors(data: TrialData) -> np.ndarray:
     """
     t = data.t
     steps = np.diff(t)
-    common, alone = np.zeros((1, *data.inputs.shape)), []
+    common, alone = np.zeros((_KINDS, *data.inputs.shape)), []
     for k, values in enumerate(data.inputs):
         if t.size < 3 or not np.ptp(values) > 0:
             continue
         _, (early, late), _ = gap_errors(t, values, np.ones(t.size, dtype=bool))
         # In longer intervals samples are missing, and errors are drawn for that.
         whole = steps <= 1.5 * np.median(steps)
-        common[0, k] = _at_samples(steps, np.where(whole, _COMMON * 0.5 * (early + late), 0.0)[None])[0]
+        slopes = np.abs(np.diff(values) / steps)
+        sets_out = np.pad(slopes[1:] > slopes[:-1], 1, mode="edge")
+        for kind, those in enumerate((sets_out, ~sets_out)):
+            middle = _COMMON * 0.5 * (early * those[:-1] + late * those[1:])
+            common[kind, k] = _at_samples(steps, np.where(whole, middle, 0.0)[None])[0]
         square = _SCATTER**2 * 0.5 * (early**2 + late**2) + _WITHIN**2 * np.maximum(-early * late, 0.0)
         size = np.where(whole, np.sqrt(square), 0.0)
         at = np.flatnonzero(size > _SMALL * size.max())
@@ -155,15 +168,15 @@ def _at_samples(steps: np.ndarray, middle: np.ndarray) -> np.ndarray:
     return np.asarray((np.pad(half, ((0, 0), (1, 0))) + np.pad(half, ((0, 0), (0, 1)))) / width)
 
 
-def _moves(solution: Solution, change: np.ndarray) -> bool:
-    """Whether a change of the residuals moves a coefficient by more than a small share of its standard deviation."""
+def _moves(solution: Solution, changes: np.ndarray) -> bool:
+    """Whether one of some changes of the residuals moves a coefficient by more than a small share of its standard deviation."""
     shared = len(solution.problem.estimated)
     norms = np.linalg.norm(solution.jacobian, axis=0)
     norms = np.where(norms > 0, norms, 1.0)
-    whole = np.pad(change, (0, solution.residual.size - change.size))
-    step = np.linalg.lstsq(solution.jacobian / norms, whole, rcond=_TINY)[0] / norms
+    whole = np.pad(changes, ((0, 0), (0, solution.residual.size - changes.shape[1])))
+    step = np.linalg.lstsq(solution.jacobian / norms, whole.T, rcond=_TINY)[0] / norms[:, None]
     spread = np.sqrt(np.diag(covariance_of(replace(solution, others=())).matrix)[:shared])
-    return bool((np.abs(step[:shared]) > _MOVES * spread).any())
+    return bool((np.abs(step[:shared]) > _MOVES * spread[:, None]).any())
 
 
 def _size(residual: np.ndarray) -> float:
@@ -178,12 +191,10 @@ def _weigh(solution: Solution, answers: Sequence[np.ndarray]) -> _Found:
     norms = np.linalg.norm(solution.jacobian, axis=0)
     scaled = solution.jacobian / np.where(norms > 0, norms, 1.0)
     groups: list[ResidualGroup] = []
-    at, every = 0, np.arange(problem.size)
+    every = np.arange(problem.size)
     along = np.zeros((problem.size, len(answers[0])))
-    for i, (data, answer) in enumerate(zip(problem.trials, answers)):
+    for i, (data, answer, rows) in enumerate(zip(problem.trials, answers, problem.rows)):
         count = data.intervals.size
-        rows = slice(at, at + count * signals)
-        at += count * signals
         changes = np.moveaxis(answer, 0, -1)
         along += scaled[rows].T @ changes.reshape(count * signals, -1)
         both = np.concatenate([scaled[rows].reshape(signals, count, -1), changes], axis=2)
@@ -193,7 +204,7 @@ def _weigh(solution: Solution, answers: Sequence[np.ndarray]) -> _Found:
     left = [g.jacobian[:, :, problem.size :] - g.jacobian[:, :, : problem.size] @ moved for g in groups]
     best: _Found | None = None
     for _ in range(_TURNS):
-        size = np.zeros(along.shape[1]) if best is None else np.concatenate([[best.share], best.scatter])
+        size = np.zeros(along.shape[1]) if best is None else np.concatenate([best.share, best.scatter])
         noise = [autoregression_of(g.residual + e @ size) for g, e in zip(groups, left)]
         found = _weighed(groups, noise, problem.size)
         if best is not None and found.likelihood <= best.likelihood:
@@ -215,30 +226,36 @@ def _weighed(groups: Sequence[ResidualGroup], noise: Sequence[Autoregression], u
     basis = left[:, sizes > _TINY * sizes.max(initial=0.0)]
     kept = np.delete(together, np.s_[1 : 1 + unknowns], axis=1)
     kept = kept - basis @ (basis.T @ kept)
-    residual, common, alone = -kept[:, 0], kept[:, 1], kept[:, 2:]
+    residual, common, alone = -kept[:, 0], kept[:, 1 : 1 + _KINDS], kept[:, 1 + _KINDS :]
     information, vectors = np.linalg.eigh(alone.T @ alone)
     information = np.clip(information, 0.0, None)
-    of_residual, of_common = (vectors.T @ (alone.T @ x) for x in (residual, common))
+    of_residual, of_common = vectors.T @ (alone.T @ residual), vectors.T @ (alone.T @ common)
     square = _SPREADS[:, None] ** 2
     # Products under the noise and the errors of single intervals.
     shrunk = square / (1 + square * information)
-    precision = common @ common - shrunk @ of_common**2 + _SURE**-2
-    mean = (common @ residual - shrunk @ (of_common * of_residual) + _SURE**-2) / precision
+    beforehand = np.eye(_KINDS) * _SURE**-2
+    precision = common.T @ common - np.einsum("sk,ki,kj->sij", shrunk, of_common, of_common) + beforehand
+    force = common.T @ residual - (shrunk * of_residual) @ of_common + beforehand.sum(axis=0)
+    variance = np.linalg.inv(precision)
+    mean = np.einsum("sij,sj->si", variance, force)
     gains = 0.5 * (shrunk @ of_residual**2 - np.log1p(square * information).sum(axis=1))
-    gains += 0.5 * (mean**2 * precision - _SURE**-2 - np.log(precision * _SURE**2))
-    beforehand = np.exp(-0.5 * _SPREADS**2) * np.gradient(_SPREADS)
-    chances = np.append((1 - _STRAIGHT) * beforehand / beforehand.sum(), _STRAIGHT)
+    gains += 0.5 * ((mean * force).sum(axis=1) - beforehand.sum() - np.linalg.slogdet(precision @ np.linalg.inv(beforehand))[1])
+    of_spread = np.exp(-0.5 * _SPREADS**2) * np.gradient(_SPREADS)
+    chances = np.append((1 - _STRAIGHT) * of_spread / of_spread.sum(), _STRAIGHT)
     # The last is the rudder of straight lines.
-    gains, mean = np.append(gains, 0.0), np.append(mean, 0.0)
-    variance = np.append(1 / precision, 0.0)
+    gains, mean = np.append(gains, 0.0), np.vstack([mean, np.zeros(_KINDS)])
+    variance = np.concatenate([variance, np.zeros((1, _KINDS, _KINDS))])
     density = chances * np.exp(gains - gains.max())
     chance = density / density.sum()
-    middle = float(chance @ mean)
-    scatter = chance[:-1] @ (shrunk * (of_residual - mean[:-1, None] * of_common))
+    middle = chance @ mean
+    scatter = chance[:-1] @ (shrunk * (of_residual - mean[:-1] @ of_common.T))
+    apart = mean - middle
+    cover = np.einsum("s,sij->ij", chance, variance + apart[:, :, None] * apart[:, None, :])
+    values, turned = np.linalg.eigh(cover)
     return _Found(
         -0.5 * (volume + float(residual @ residual)) + float(gains.max() + np.log(density.sum())),
         middle,
-        float(np.sqrt(chance @ (variance + (mean - middle) ** 2))),
+        np.sqrt(np.clip(values, 0.0, None))[:, None] * turned.T,
         float(chance[:-1] @ _SPREADS**2),
         vectors @ scatter,
     )

@@ -244,11 +244,9 @@ def _rows(
     signals = len(problem.signals)
     unit = np.sqrt(np.concatenate([e[0] ** 2 for e in effects], axis=1).mean(axis=1))
     scale = np.where(unit > 0, turning / np.where(unit > 0, unit, 1.0), 0.0)
-    found, along, at = [], np.zeros((problem.size, scale.size)), 0
-    for i, (data, effect) in enumerate(zip(problem.trials, effects)):
+    found, along = [], np.zeros((problem.size, scale.size))
+    for i, (data, effect, rows) in enumerate(zip(problem.trials, effects, problem.rows)):
         count = data.intervals.size
-        rows = slice(at, at + count * signals)
-        at += count * signals
         shown = np.zeros((signals, count, scale.size))
         for j in yaw:
             shown[j] = (effect[0 if problem.signals[j] == "r" else 1].T * scale) / problem.sigma[j]

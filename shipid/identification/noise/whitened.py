@@ -8,14 +8,16 @@ coefficients are biased. What an autoregression leaves of the residuals is new i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from shipid.identification.noise.autoregression import Autoregression, autoregression_of, whitened
+from shipid.identification.noise.filled_inputs import changes_by, effects_of
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
 from shipid.identification.problem.box import Box
-from shipid.identification.problem.output_error import RUNAWAY
+from shipid.identification.problem.output_error import RUNAWAY, Problem
 from shipid.identification.search.solution import Solution
 from shipid.identification.search.unseen import covariance_by
 
@@ -46,18 +48,17 @@ def on_white_residuals(solution: Solution, box: Box) -> Solution | None:
         residual, jacobian = problem.residuals(q)
         if not (np.abs(residual) < RUNAWAY).all():
             return None
-        groups, rest = _groups(solution, residual, jacobian)
+        groups = [g for i in range(len(problem.trials)) for g in _series(problem, i, residual, jacobian)]
         if k < _SETTLED:
             noises = [autoregression_of(g.residual) for g in groups]
         if any(not np.trace(noise.drive) > 0 for noise in noises):
             return None
-        rows = [rest, *(_rows(g, noise, problem.size) for g, noise in zip(groups, noises))]
-        slopes = np.vstack([j for _, j in rows])
-        information = slopes.T @ slopes
-        cover = covariance_by(information)
+        white = _white(problem, residual, jacobian, groups, noises, joint=False)
+        slopes = white[:, 1:]
+        cover = covariance_by(slopes.T @ slopes)
         known = np.isfinite(np.diag(cover))
         inverse = np.where(np.outer(known, known), cover, 0.0)
-        step = -inverse @ (slopes.T @ np.concatenate([e for e, _ in rows]))
+        step = -inverse @ (slopes.T @ white[:, 0])
         q = q + step
         if (np.abs(step[known]) <= _SMALL * np.sqrt(np.diag(cover)[known])).all():
             break
@@ -69,29 +70,75 @@ def on_white_residuals(solution: Solution, box: Box) -> Solution | None:
     parameters = q[: len(problem.estimated)]
     if (parameters < box.low).any() or (parameters > box.high).any():
         return None
-    return replace(solution, q=q, residual=residual, jacobian=jacobian, covariance=cover, others=(), whitened=True)
+    white = _white(problem, residual, jacobian, groups, noises, joint=True)
+    slopes = white[:, 1:]
+    cover = covariance_by(slopes.T @ slopes)
+    known = np.isfinite(np.diag(cover))
+    inverse = np.where(np.outer(known, known), cover, 0.0)
+    moved = inverse @ _by_inputs(problem, q, residual, jacobian, noises)
+    return replace(
+        solution, q=q, residual=residual, jacobian=jacobian, covariance=cover + moved @ moved.T, others=(), whitened=True
+    )
 
 
-def _groups(
-    solution: Solution, residual: np.ndarray, jacobian: np.ndarray
-) -> tuple[list[ResidualGroup], tuple[np.ndarray, np.ndarray]]:
-    """Residuals in series, and those of the prior, each of which counts once."""
-    problem, signals, at = solution.problem, len(solution.problem.signals), 0
-    groups: list[ResidualGroup] = []
-    for i, data in enumerate(problem.trials):
-        count = data.intervals.size
-        rows = slice(at, at + count * signals)
-        at += count * signals
-        used = np.flatnonzero(np.abs(jacobian[rows]).max(axis=0) > 0)
-        block = jacobian[rows][:, used].reshape(signals, count, -1)
-        groups += groups_of(data, i, residual[rows].reshape(signals, count), block, used)
+def _series(
+    problem: Problem, i: int, residual: np.ndarray, jacobian: np.ndarray, changes: np.ndarray | None = None
+) -> list[ResidualGroup]:
+    """Residuals of a trial in series, with derivatives by all unknowns, and changes of shape (changes, signals, N) beside them."""
+    rows, signals = problem.rows[i], len(problem.signals)
+    block = jacobian[rows].reshape(signals, -1, problem.size)
+    if changes is not None:
+        block = np.concatenate([block, np.moveaxis(changes, 0, -1)], axis=2)
+    return groups_of(problem.trials[i], i, residual[rows].reshape(signals, -1), block, np.arange(problem.size))
+
+
+def _white(
+    problem: Problem,
+    residual: np.ndarray,
+    jacobian: np.ndarray,
+    groups: Sequence[ResidualGroup],
+    noises: Sequence[Autoregression],
+    joint: bool,
+) -> np.ndarray:
+    """Whitened residuals and, beside them, their derivatives; those of the prior, each of which counts once, come last."""
     once = 1.0 if problem.prior is None else 1.0 / np.sqrt(problem.prior.strength)
-    return groups, (once * residual[at:], once * jacobian[at:])
+    last = problem.rows[-1]
+    rows = [_new_in_each(g, noise, joint) for g, noise in zip(groups, noises)]
+    return np.vstack([*rows, once * np.column_stack([residual[last], jacobian[last]])])
 
 
-def _rows(group: ResidualGroup, noise: Autoregression, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Whitened residuals of a series and their slopes by all unknowns."""
+def _new_in_each(group: ResidualGroup, noise: Autoregression, joint: bool = True) -> np.ndarray:
+    """Whitened residuals and derivatives of a series without what other numbers of the autoregression would make of them.
+
+    The rudder answers past noise, so that the derivatives are correlated with past residuals, which are the derivatives by the numbers of
+    the autoregression: these are estimated with the coefficients, and cost certainty.
+    """
     white, _ = whitened(noise, np.concatenate([group.residual[:, :, None], group.jacobian], axis=2))
-    slopes = np.zeros((len(white), size))
-    slopes[:, group.used] = white[:, 1:]
-    return white[:, 0], slopes
+    if not noise.order or not joint:
+        return white
+    signals, n = group.residual.shape
+    by_signal = white.reshape(signals, -1, white.shape[1])
+    count = by_signal.shape[1]
+    past = np.concatenate([group.residual[:, n - count - k : n - k] for k in range(1, noise.order + 1)])
+    basis, _ = np.linalg.qr(past.T)
+    return np.asarray((by_signal - basis @ (basis.T @ by_signal)).reshape(white.shape))
+
+
+def _by_inputs(
+    problem: Problem, q: np.ndarray, residual: np.ndarray, jacobian: np.ndarray, noises: Sequence[Autoregression]
+) -> np.ndarray:
+    """The gradient by one standard deviation of each error of the inputs, shape (unknowns, errors)."""
+    left, size = iter(noises), problem.size
+    of_all, of_one = np.zeros((size, 0)), [np.zeros((size, 0))]
+    for i, data in enumerate(problem.trials):
+        unsure = None if data.unsure is None else changes_by(problem, q, i, data.unsure)
+        drawn = effects_of(problem, q, i)
+        changes = [unsure, None if drawn is None else drawn / np.sqrt(len(drawn))]
+        there = np.concatenate([np.zeros((0, len(problem.signals), data.intervals.size)), *(c for c in changes if c is not None)])
+        white = [_new_in_each(g, next(left)) for g in _series(problem, i, residual, jacobian, there)]
+        gradient = sum((w[:, 1 : 1 + size].T @ w[:, 1 + size :] for w in white), np.zeros((size, len(there))))
+        count = 0 if unsure is None else len(unsure)
+        # An error of all trials moves the coefficients in each of them.
+        of_all = gradient[:, :count] + (of_all if of_all.shape[1] == count else 0.0)
+        of_one.append(gradient[:, count:])
+    return np.concatenate([of_all, *of_one], axis=1)

@@ -324,6 +324,12 @@ class Problem:
         slope = np.array(slopes) * np.sqrt(prior.strength)
         return slope @ q - np.array(offsets) * np.sqrt(prior.strength), slope
 
+    @property
+    def rows(self) -> tuple[slice, ...]:
+        """Rows of a residual vector that belong to each trial, signal by signal, and at last those of the prior."""
+        ends = np.cumsum([data.intervals.size * len(self.signals) for data in self.trials]).tolist()
+        return tuple(slice(first, last) for first, last in zip([0, *ends], [*ends, None]))
+
     def by_signal(self, residual: np.ndarray) -> list[list[np.ndarray]]:
         """Return a residual vector split: for each trial, for each signal; those of the prior at its end are left out.
 
@@ -334,12 +340,10 @@ class Problem:
         residual : ndarray, shape (M,)
             Residuals of all trials.
         """
-        out, at = [], 0
-        for data in self.trials:
-            n = data.intervals.size
-            rows = residual[at : at + n * len(self.signals)].reshape(len(self.signals), n)
+        out = []
+        for data, own in zip(self.trials, self.rows):
+            rows = residual[own].reshape(len(self.signals), -1)
             out.append(list(rows if data.there.all() else np.where(data.there, rows, np.nan)))
-            at += n * len(self.signals)
         return out
 
 

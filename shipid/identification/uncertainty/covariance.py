@@ -173,26 +173,23 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
     """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
     problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
     groups: list[ResidualGroup] = []
-    at = 0
     # Rows whose squares sum to what the inputs, the prior and the bounds add, in the directions of the columns of half.
     added: list[np.ndarray] = []
     unsure: list[np.ndarray] = []
-    for i, data in enumerate(problem.trials):
-        count = data.intervals.size
-        rows = slice(at, at + count * signals)
-        at += count * signals
+    *own, of_prior = problem.rows
+    for i, (data, rows) in enumerate(zip(problem.trials, own)):
         used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
-        block = scaled[rows][:, used].reshape(signals, count, -1)
+        block = scaled[rows][:, used].reshape(signals, data.intervals.size, -1)
         if (effects := effects_of(problem, solution.q, i)) is not None:
             added.append(effects.reshape(len(effects), -1) @ scaled[rows] @ half / np.sqrt(len(effects)))
         if data.unsure is not None and (changes := changes_by(problem, solution.q, i, data.unsure)) is not None:
             unsure.append(changes.reshape(len(changes), -1) @ scaled[rows] @ half)
-        groups += groups_of(data, i, solution.residual[rows].reshape(signals, count), block, used)
+        groups += groups_of(data, i, solution.residual[rows].reshape(signals, -1), block, used)
     strength = 1.0 if problem.prior is None else problem.prior.strength
     if unsure:
         # An error of all trials moves the coefficients in each of them.
         added.append(np.sum(unsure, axis=0))
-    added.append(np.sqrt(strength) * scaled[at:] @ half)
+    added.append(np.sqrt(strength) * scaled[of_prior] @ half)
 
     def rows_under(noise: list[Autoregression]) -> list[np.ndarray]:
         return [
