@@ -28,17 +28,20 @@ from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.parameters.draws import normal_draws
 
-#: Of a corner that is cut, the triangle in the middle of each interval that has the same area, in shares of the error by the bends at
-#: its ends: what all corners have in common, the scatter about it, and that of an input that moves within one interval. So it is,
-#: within a fifth, for rudders of constant rate and for machines with a time constant, sampled at L/U/4 and more often.
+#: Of corners that a log does not show one by one, the triangle in the middle of each interval that has the same area, in shares of the error
+#: by the bends at its ends: what all corners have in common, the scatter about it, and that of an input that moves within one interval. So
+#: it is, within a fifth, for rudders of constant rate and for machines with a time constant, sampled at L/U/4 and more often.
 _COMMON, _SCATTER, _WITHIN = 0.8, 0.35, 0.8
-#: How much of the common part there is beforehand: all, within so much. Spreads of the scatter that are tried, in shares of its size.
-_SURE, _SPREADS = 0.45, np.concatenate([[0.0], np.geomspace(0.1, 2.0, 20)])
+#: Kinds of corners, each with a share of its own: those that a log shows one by one, those at which the rudder sets out, and those at which
+#: it stops. Where orders and samples have one clock, all of a kind come at the same part of an interval.
+_KINDS = 3
+#: How much of each kind there is beforehand: all, within so much. A corner anywhere in its interval cuts off 6 a (1 - a) of the mean area,
+#: whose standard deviation is 0.45. Spreads of the scatter that are tried, in shares of its size.
+_SURE, _SPREADS = np.array([0.2, 0.45, 0.45]), np.concatenate([[0.0], np.geomspace(0.1, 2.0, 20)])
+#: Scatter of a corner that is shown, in shares of its size.
+_SHOWN = 0.2
 #: Probability beforehand that there are no corners between the samples: a rudder of straight lines, as a simulation may have it.
 _STRAIGHT = 0.2
-#: Kinds of corners, each with a share of its own: those at which a rudder sets out, and those at which it stops. Where orders and samples
-#: have one clock, all of a kind come at the same part of an interval.
-_KINDS = 2
 #: Intervals whose errors are looked at one by one; of more random sums stand for all, and those below this share of the largest are nothing.
 _MOST, _SMALL = 96, 0.05
 #: Power of the common error, in variances of the residuals, and standard deviations by which it moves a coefficient, below which it is nothing.
@@ -141,16 +144,11 @@ def input_errors(data: TrialData) -> np.ndarray:
     for k, values in enumerate(data.inputs):
         if t.size < 3 or not np.ptp(values) > 0:
             continue
-        _, (early, late), _ = gap_errors(t, values, np.ones(t.size, dtype=bool))
+        heights, size = _corners(t, values)
         # In longer intervals samples are missing, and errors are drawn for that.
         whole = steps <= 1.5 * np.median(steps)
-        slopes = np.abs(np.diff(values) / steps)
-        sets_out = np.pad(slopes[1:] > slopes[:-1], 1, mode="edge")
-        for kind, those in enumerate((sets_out, ~sets_out)):
-            middle = _COMMON * 0.5 * (early * those[:-1] + late * those[1:])
-            common[kind, k] = _at_samples(steps, np.where(whole, middle, 0.0)[None])[0]
-        square = _SCATTER**2 * 0.5 * (early**2 + late**2) + _WITHIN**2 * np.maximum(-early * late, 0.0)
-        size = np.where(whole, np.sqrt(square), 0.0)
+        common[:, k] = _at_samples(steps, np.where(whole, heights, 0.0))
+        size = np.where(whole, size, 0.0)
         at = np.flatnonzero(size > _SMALL * size.max())
         drawn = np.eye(at.size) if at.size <= _MOST else normal_draws(at.size, _MOST, k) / np.sqrt(_MOST)
         gaps = np.zeros((len(drawn), steps.size))
@@ -159,6 +157,38 @@ def input_errors(data: TrialData) -> np.ndarray:
         rows[:, k] = _at_samples(steps, gaps)
         alone.append(rows)
     return np.concatenate([common, *alone])
+
+
+def _corners(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Errors in the middle of each interval: of each kind, shape (kinds, intervals), and the standard deviation of its own error.
+
+    A corner at the part a of an interval bends the samples before and after it by 1 - a and a of the change of slope, which tell
+    where it is. So it is shown one by one where the bends about it are its own.
+    """
+    _, (early, late), _ = gap_errors(t, values, np.ones(t.size, dtype=bool))
+    steps = np.diff(t)
+    slopes = np.diff(values) / steps
+    bends = np.pad(np.diff(slopes), 1)
+    before, first, second, after = np.lib.stride_tricks.sliding_window_view(np.pad(bends, 1), 4).T
+    sign, whole = np.sign(first + second), np.abs(first) + np.abs(second)
+    whole = np.where(whole > 0, whole, 1.0)
+    # Bends to the other side belong to other corners.
+    others = np.maximum(-sign * before, 0.0) + np.maximum(-sign * after, 0.0)
+    others += np.where(first * second < 0, np.minimum(np.abs(first), np.abs(second)), 0.0)
+    shown = np.clip(1 - others / whole, 0.0, 1.0)
+    # A bend is shared with the interval on its other side as the bends there stand to those here.
+    x, y, left, right = (np.maximum(sign * b, 0.0) for b in (first, second, before, after))
+    x, y = x * y / np.where(y + left > 0, y + left, 1.0), y * x / np.where(x + right > 0, x + right, 1.0)
+    alone = (x + y) / whole
+    share = x * y / np.where(x + y > 0, x + y, 1.0)
+    # Exact for one corner, and for one constant bend over many intervals, of which each has two thirds of that.
+    height = -sign * share * (1 / 3 + 2 / 3 * alone) * steps
+    sets_out = np.abs(np.pad(slopes, (0, 1), mode="edge")) > np.abs(np.pad(slopes, (1, 0), mode="edge"))
+    kinds = [
+        (1 - shown) * _COMMON * 0.5 * (early * kind[:-1] + late * kind[1:]) for kind in (sets_out, ~sets_out)
+    ]
+    square = (1 - shown) ** 2 * (_SCATTER**2 * 0.5 * (early**2 + late**2) + _WITHIN**2 * np.maximum(-early * late, 0.0))
+    return np.array([shown * height, *kinds]), np.sqrt(square + (_SHOWN * shown * height) ** 2)
 
 
 def _at_samples(steps: np.ndarray, middle: np.ndarray) -> np.ndarray:
@@ -233,7 +263,7 @@ def _weighed(groups: Sequence[ResidualGroup], noise: Sequence[Autoregression], u
     square = _SPREADS[:, None] ** 2
     # Products under the noise and the errors of single intervals.
     shrunk = square / (1 + square * information)
-    beforehand = np.eye(_KINDS) * _SURE**-2
+    beforehand = np.diag(_SURE**-2)
     precision = common.T @ common - np.einsum("sk,ki,kj->sij", shrunk, of_common, of_common) + beforehand
     force = common.T @ residual - (shrunk * of_residual) @ of_common + beforehand.sum(axis=0)
     variance = np.linalg.inv(precision)
