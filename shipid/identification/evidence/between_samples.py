@@ -5,9 +5,11 @@ samples cuts the corner, always to the same side of a bend: in every execute the
 is off by that, far beyond its interval where the sensors are good. How far the line is off follows from the bends of the input, as where
 samples are missing (`shipid.identification.noise.filled_inputs`); a little of it depends on when the sample came.
 
-So one unknown says how much of the corners is there: all of it, beforehand, within a share, since rudders have a rate and a lag; or
-nothing at all, where a log of straight lines is what the rudder really did. With it each interval has an error of its own, a random
-effect. The unknown and the spread of those effects come from the likelihood of the residuals, in which the other unknowns are free. The
+Where the bends of a corner stand by themselves, a log shows at which part of its interval it is. Of the others only the mean is known, and
+all of a kind may come at the same part of an interval: orders that are given on the clock of the samples do. So unknowns say how much
+there is of each kind of corner: all of it, beforehand, within a share, since rudders have a rate and a lag; or
+nothing at all, where a log of straight lines is what the rudder really did. With them each interval has an error of its own, a random
+effect. The unknowns and the spread of those effects come from the likelihood of the residuals, in which the others are free. The
 inputs are corrected, the search goes on from there, and what is left unknown is put into the covariance.
 """
 
@@ -34,7 +36,7 @@ from shipid.parameters.draws import normal_draws
 _COMMON, _SCATTER, _WITHIN = 0.8, 0.35, 0.8
 #: Kinds of corners, each with a share of its own: those that a log shows one by one, those at which the rudder sets out, and those at which
 #: it stops. Where orders and samples have one clock, all of a kind come at the same part of an interval.
-_KINDS = 3
+KINDS = 3
 #: How much of each kind there is beforehand: all, within so much. A corner anywhere in its interval cuts off 6 a (1 - a) of the mean area,
 #: whose standard deviation is 0.45. Spreads of the scatter that are tried, in shares of its size.
 _SURE, _SPREADS = np.array([0.2, 0.45, 0.45]), np.concatenate([[0.0], np.geomspace(0.1, 2.0, 20)])
@@ -56,7 +58,7 @@ _TINY = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """How much of the common error there is, its standard deviation, and the mean square of the spread of the others."""
+    """How much of the errors of each kind there is, a root of its covariance (rows), and the mean square of the spread of the others."""
 
     likelihood: float
     share: np.ndarray
@@ -88,31 +90,31 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
         return solution
     levels = [np.array([_size(r) for r in trial]) for trial in split]
     errors = [input_errors(data) for data in problem.trials]
-    found_common = [changes_by(problem, solution.q, i, e[:_KINDS]) for i, e in enumerate(errors)]
-    common = [c for c in found_common if c is not None]
-    if len(common) < len(found_common):
+    along = [changes_by(problem, solution.q, i, e[:KINDS]) for i, e in enumerate(errors)]
+    common = [c for c in along if c is not None]
+    if len(common) < len(along):
         return solution
     shown = sum(np.sum((c / level[:, None]) ** 2, axis=(1, 2)) for c, level in zip(common, levels))
-    whole = np.concatenate([c.reshape(_KINDS, -1) for c in common], axis=1)
+    whole = np.concatenate([c.reshape(KINDS, -1) for c in common], axis=1)
     if not (shown > _NOTHING).any() or not _moves(solution, whole):
         return solution
     # Errors of single intervals belong to one trial, the common one to all.
-    ends = _KINDS + np.cumsum([len(e) - _KINDS for e in errors])
+    ends = KINDS + np.cumsum([len(e) - KINDS for e in errors])
     every = []
     for e, end in zip(errors, ends):
         padded = np.zeros((ends[-1], *e.shape[1:]))
-        padded[:_KINDS], padded[end - len(e) + _KINDS : end] = e[:_KINDS], e[_KINDS:]
+        padded[:KINDS], padded[end - len(e) + KINDS : end] = e[:KINDS], e[KINDS:]
         every.append(padded)
     answers = [changes_by(problem, solution.q, i, e) for i, e in enumerate(every)]
     if any(a is None for a in answers):
         return solution
     found = _weigh(solution, [a for a in answers if a is not None])
-    left = np.full(ends[-1] - _KINDS, np.sqrt(found.power))
+    left = np.full(ends[-1] - KINDS, np.sqrt(found.power))
     trials = tuple(
         replace(
             data,
-            inputs=data.inputs + np.tensordot(found.share, e[:_KINDS], axes=1),
-            unsure=np.concatenate([np.tensordot(found.share_root, e[:_KINDS], axes=1), left[:, None, None] * e[_KINDS:]]),
+            inputs=data.inputs + np.tensordot(found.share, e[:KINDS], axes=1),
+            unsure=np.concatenate([np.tensordot(found.share_root, e[:KINDS], axes=1), left[:, None, None] * e[KINDS:]]),
         )
         for data, e in zip(problem.trials, every)
     )
@@ -126,7 +128,7 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
 
 
 def input_errors(data: TrialData) -> np.ndarray:
-    """Return changes of the samples of the inputs that have the area of an error between them, shape (1 + errors, inputs, N).
+    """Return changes of the samples of the inputs that have the area of an error between them, shape (kinds + errors, inputs, N).
 
     Parameters
     ----------
@@ -136,11 +138,11 @@ def input_errors(data: TrialData) -> np.ndarray:
     Returns
     -------
     ndarray
-        The first is the correction of all corners, the others are one standard deviation of each interval's own error.
+        The first are the corrections of each kind of corner, the others one standard deviation of each interval's own error.
     """
     t = data.t
     steps = np.diff(t)
-    common, alone = np.zeros((_KINDS, *data.inputs.shape)), []
+    common, alone = np.zeros((KINDS, *data.inputs.shape)), []
     for k, values in enumerate(data.inputs):
         if t.size < 3 or not np.ptp(values) > 0:
             continue
@@ -184,9 +186,7 @@ def _corners(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     # Exact for one corner, and for one constant bend over many intervals, of which each has two thirds of that.
     height = -sign * share * (1 / 3 + 2 / 3 * alone) * steps
     sets_out = np.abs(np.pad(slopes, (0, 1), mode="edge")) > np.abs(np.pad(slopes, (1, 0), mode="edge"))
-    kinds = [
-        (1 - shown) * _COMMON * 0.5 * (early * kind[:-1] + late * kind[1:]) for kind in (sets_out, ~sets_out)
-    ]
+    kinds = [(1 - shown) * _COMMON * 0.5 * (early * kind[:-1] + late * kind[1:]) for kind in (sets_out, ~sets_out)]
     square = (1 - shown) ** 2 * (_SCATTER**2 * 0.5 * (early**2 + late**2) + _WITHIN**2 * np.maximum(-early * late, 0.0))
     return np.array([shown * height, *kinds]), np.sqrt(square + (_SHOWN * shown * height) ** 2)
 
@@ -256,7 +256,7 @@ def _weighed(groups: Sequence[ResidualGroup], noise: Sequence[Autoregression], u
     basis = left[:, sizes > _TINY * sizes.max(initial=0.0)]
     kept = np.delete(together, np.s_[1 : 1 + unknowns], axis=1)
     kept = kept - basis @ (basis.T @ kept)
-    residual, common, alone = -kept[:, 0], kept[:, 1 : 1 + _KINDS], kept[:, 1 + _KINDS :]
+    residual, common, alone = -kept[:, 0], kept[:, 1 : 1 + KINDS], kept[:, 1 + KINDS :]
     information, vectors = np.linalg.eigh(alone.T @ alone)
     information = np.clip(information, 0.0, None)
     of_residual, of_common = vectors.T @ (alone.T @ residual), vectors.T @ (alone.T @ common)
@@ -269,12 +269,14 @@ def _weighed(groups: Sequence[ResidualGroup], noise: Sequence[Autoregression], u
     variance = np.linalg.inv(precision)
     mean = np.einsum("sij,sj->si", variance, force)
     gains = 0.5 * (shrunk @ of_residual**2 - np.log1p(square * information).sum(axis=1))
-    gains += 0.5 * ((mean * force).sum(axis=1) - beforehand.sum() - np.linalg.slogdet(precision @ np.linalg.inv(beforehand))[1])
+    gains += 0.5 * (
+        (mean * force).sum(axis=1) - beforehand.sum() - np.linalg.slogdet(precision @ np.linalg.inv(beforehand))[1]
+    )
     of_spread = np.exp(-0.5 * _SPREADS**2) * np.gradient(_SPREADS)
     chances = np.append((1 - _STRAIGHT) * of_spread / of_spread.sum(), _STRAIGHT)
     # The last is the rudder of straight lines.
-    gains, mean = np.append(gains, 0.0), np.vstack([mean, np.zeros(_KINDS)])
-    variance = np.concatenate([variance, np.zeros((1, _KINDS, _KINDS))])
+    gains, mean = np.append(gains, 0.0), np.vstack([mean, np.zeros(KINDS)])
+    variance = np.concatenate([variance, np.zeros((1, KINDS, KINDS))])
     density = chances * np.exp(gains - gains.max())
     chance = density / density.sum()
     middle = chance @ mean

@@ -53,14 +53,14 @@ def on_white_residuals(solution: Solution, box: Box) -> Solution | None:
             noises = [autoregression_of(g.residual) for g in groups]
         if any(not np.trace(noise.drive) > 0 for noise in noises):
             return None
-        white = _white(problem, residual, jacobian, groups, noises, joint=False)
-        slopes = white[:, 1:]
-        cover = covariance_by(slopes.T @ slopes)
-        known = np.isfinite(np.diag(cover))
-        inverse = np.where(np.outer(known, known), cover, 0.0)
-        step = -inverse @ (slopes.T @ white[:, 0])
+        # In turns: with the numbers of the autoregression in the step the search stays near output error, where that is far off.
+        white = np.vstack(
+            [*(_white(g, noise) for g, noise in zip(groups, noises)), _of_prior(problem, residual, jacobian)]
+        )
+        cover, inverse = _covers(white)
+        step = -inverse @ (white[:, 1:].T @ white[:, 0])
         q = q + step
-        if (np.abs(step[known]) <= _SMALL * np.sqrt(np.diag(cover)[known])).all():
+        if (np.abs(step) <= _SMALL * np.sqrt(np.diag(inverse))).all():
             break
     else:
         return None
@@ -70,15 +70,40 @@ def on_white_residuals(solution: Solution, box: Box) -> Solution | None:
     parameters = q[: len(problem.estimated)]
     if (parameters < box.low).any() or (parameters > box.high).any():
         return None
-    white = _white(problem, residual, jacobian, groups, noises, joint=True)
-    slopes = white[:, 1:]
-    cover = covariance_by(slopes.T @ slopes)
+    cover = _covariance(problem, q, residual, jacobian, noises)
+    return replace(solution, q=q, residual=residual, jacobian=jacobian, covariance=cover, others=(), whitened=True)
+
+
+def _covariance(
+    problem: Problem, q: np.ndarray, residual: np.ndarray, jacobian: np.ndarray, noises: Sequence[Autoregression]
+) -> np.ndarray:
+    """Covariance of the unknowns, with what the autoregression and errors of the inputs leave unknown."""
+    left, size = iter(noises), problem.size
+    rows: list[np.ndarray] = [_of_prior(problem, residual, jacobian)]
+    of_all, of_one = np.zeros((size, 0)), [np.zeros((size, 0))]
+    for i, data in enumerate(problem.trials):
+        unsure = None if data.unsure is None else changes_by(problem, q, i, data.unsure)
+        drawn = effects_of(problem, q, i)
+        changes = [np.zeros((0, len(problem.signals), data.intervals.size))]
+        changes += [c for c in (unsure, None if drawn is None else drawn / np.sqrt(len(drawn))) if c is not None]
+        series = _series(problem, i, residual, jacobian, np.concatenate(changes))
+        white = np.vstack([_beyond_past(g, next(left)) for g in series])
+        rows.append(white[:, : 1 + size])
+        gradient = white[:, 1 : 1 + size].T @ white[:, 1 + size :]
+        count = 0 if unsure is None else len(unsure)
+        # An error of all trials moves the coefficients in each of them.
+        of_all = gradient[:, :count] + (of_all if of_all.shape[1] == count else 0.0)
+        of_one.append(gradient[:, count:])
+    cover, inverse = _covers(np.vstack(rows))
+    moved = inverse @ np.concatenate([of_all, *of_one], axis=1)
+    return np.asarray(cover + moved @ moved.T)
+
+
+def _covers(white: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance by whitened residuals and their derivatives, and the same with zeros where nothing is known."""
+    cover = covariance_by(white[:, 1:].T @ white[:, 1:])
     known = np.isfinite(np.diag(cover))
-    inverse = np.where(np.outer(known, known), cover, 0.0)
-    moved = inverse @ _by_inputs(problem, q, residual, jacobian, noises)
-    return replace(
-        solution, q=q, residual=residual, jacobian=jacobian, covariance=cover + moved @ moved.T, others=(), whitened=True
-    )
+    return cover, np.where(np.outer(known, known), cover, 0.0)
 
 
 def _series(
@@ -92,29 +117,25 @@ def _series(
     return groups_of(problem.trials[i], i, residual[rows].reshape(signals, -1), block, np.arange(problem.size))
 
 
-def _white(
-    problem: Problem,
-    residual: np.ndarray,
-    jacobian: np.ndarray,
-    groups: Sequence[ResidualGroup],
-    noises: Sequence[Autoregression],
-    joint: bool,
-) -> np.ndarray:
-    """Whitened residuals and, beside them, their derivatives; those of the prior, each of which counts once, come last."""
-    once = 1.0 if problem.prior is None else 1.0 / np.sqrt(problem.prior.strength)
-    last = problem.rows[-1]
-    rows = [_new_in_each(g, noise, joint) for g, noise in zip(groups, noises)]
-    return np.vstack([*rows, once * np.column_stack([residual[last], jacobian[last]])])
+def _of_prior(problem: Problem, residual: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+    """Residuals of the prior, each of which counts once, and beside them their derivatives."""
+    once, last = 1.0 if problem.prior is None else 1.0 / np.sqrt(problem.prior.strength), problem.rows[-1]
+    return np.asarray(once * np.column_stack([residual[last], jacobian[last]]))
 
 
-def _new_in_each(group: ResidualGroup, noise: Autoregression, joint: bool = True) -> np.ndarray:
-    """Whitened residuals and derivatives of a series without what other numbers of the autoregression would make of them.
+def _white(group: ResidualGroup, noise: Autoregression) -> np.ndarray:
+    """Whitened residuals of a series and, beside them, its derivatives, shape (rows, 1 + columns)."""
+    return whitened(noise, np.concatenate([group.residual[:, :, None], group.jacobian], axis=2))[0]
 
-    The rudder answers past noise, so that the derivatives are correlated with past residuals, which are the derivatives by the numbers of
-    the autoregression: these are estimated with the coefficients, and cost certainty.
+
+def _beyond_past(group: ResidualGroup, noise: Autoregression) -> np.ndarray:
+    """The same without what past residuals explain.
+
+    Past residuals are the derivatives by the numbers of the autoregression, which are estimated with the coefficients. A rudder that
+    answers past noise makes the two correlated, and the coefficients less certain than under known noise.
     """
-    white, _ = whitened(noise, np.concatenate([group.residual[:, :, None], group.jacobian], axis=2))
-    if not noise.order or not joint:
+    white = _white(group, noise)
+    if not noise.order:
         return white
     signals, n = group.residual.shape
     by_signal = white.reshape(signals, -1, white.shape[1])
@@ -122,23 +143,3 @@ def _new_in_each(group: ResidualGroup, noise: Autoregression, joint: bool = True
     past = np.concatenate([group.residual[:, n - count - k : n - k] for k in range(1, noise.order + 1)])
     basis, _ = np.linalg.qr(past.T)
     return np.asarray((by_signal - basis @ (basis.T @ by_signal)).reshape(white.shape))
-
-
-def _by_inputs(
-    problem: Problem, q: np.ndarray, residual: np.ndarray, jacobian: np.ndarray, noises: Sequence[Autoregression]
-) -> np.ndarray:
-    """The gradient by one standard deviation of each error of the inputs, shape (unknowns, errors)."""
-    left, size = iter(noises), problem.size
-    of_all, of_one = np.zeros((size, 0)), [np.zeros((size, 0))]
-    for i, data in enumerate(problem.trials):
-        unsure = None if data.unsure is None else changes_by(problem, q, i, data.unsure)
-        drawn = effects_of(problem, q, i)
-        changes = [unsure, None if drawn is None else drawn / np.sqrt(len(drawn))]
-        there = np.concatenate([np.zeros((0, len(problem.signals), data.intervals.size)), *(c for c in changes if c is not None)])
-        white = [_new_in_each(g, next(left)) for g in _series(problem, i, residual, jacobian, there)]
-        gradient = sum((w[:, 1 : 1 + size].T @ w[:, 1 + size :] for w in white), np.zeros((size, len(there))))
-        count = 0 if unsure is None else len(unsure)
-        # An error of all trials moves the coefficients in each of them.
-        of_all = gradient[:, :count] + (of_all if of_all.shape[1] == count else 0.0)
-        of_one.append(gradient[:, count:])
-    return np.concatenate([of_all, *of_one], axis=1)

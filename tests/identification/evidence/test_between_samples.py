@@ -12,7 +12,7 @@ import pytest
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
-from shipid.identification.evidence.between_samples import input_errors
+from shipid.identification.evidence.between_samples import KINDS, input_errors
 from shipid.identification.problem.trial_data import prepare
 
 identifying = importlib.import_module("shipid.identification.identify")
@@ -61,12 +61,13 @@ def follows(fit):
     whole = input_errors(
         replace(data, inputs=np.where(np.arange(len(data.inputs))[:, None] == k, data.trial["delta"], 0.0))
     )
-    return float(np.sum((data.inputs[k] - data.trial["delta"]) * whole[0, k]) / np.sum(whole[0, k] ** 2))
+    whole = whole[:KINDS, k].sum(axis=0)
+    return float(np.sum((data.inputs[k] - data.trial["delta"]) * whole) / np.sum(whole**2))
 
 
 def test_a_rudder_is_followed_between_its_samples(fine, monkeypatch):
     """In straight lines the gain is several standard deviations off, always to the same side."""
-    trials = [log(*fine, first, first) for first in (0, 4, 8, 12, 16)]
+    trials = [log(*fine, first, first) for first in range(0, EVERY, 3)]
     fits = [shipid.identify("norrbin", trial, ship="zeefakkel", starts=1) for trial in trials]
     errors = np.array([off(fit)[0] for fit in fits])
     assert np.sqrt(np.mean(errors**2)) < 1.3
@@ -74,6 +75,18 @@ def test_a_rudder_is_followed_between_its_samples(fine, monkeypatch):
     monkeypatch.setattr(identifying, "follow_corners", lambda solution, _: solution)
     straight = [shipid.identify("norrbin", trial, ship="zeefakkel", starts=1) for trial in trials]
     assert np.mean([off(fit)[0][0] for fit in straight]) > 2
+
+
+def test_orders_on_the_clock_of_the_samples(monkeypatch):
+    """Every rudder sets out at a sample and stops between two: what all have in common is then not what it is in the mean."""
+    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
+    orders = [(f"{20 + 140 * k} s", "10 deg" if k % 2 == 0 else "0 deg") for k in range(6)]
+    sailed = shipid.sail(pilot, orders, duration="900 s", sampling=f"{FINE} s")
+    logs = [log(sailed["t"], sailed["delta"], 0, seed) for seed in range(4)]
+    gains = [off(shipid.identify("norrbin", one, ship="zeefakkel", starts=1))[0][0] for one in logs]
+    assert np.median(np.abs(gains)) < 1.5
+    monkeypatch.setattr(identifying, "follow_corners", lambda solution, _: solution)
+    assert off(shipid.identify("norrbin", logs[0], ship="zeefakkel", starts=1))[0][0] > 5
 
 
 def test_straight_lines_are_followed_where_they_are_what_the_rudder_did(fine):
@@ -101,9 +114,35 @@ def test_a_corner_that_is_cut_has_the_area_of_its_error(fine):
         inputs = np.zeros((len(trial.inputs), at.size))
         inputs[0] = delta[at]
         data = replace(trial, inputs=inputs, intervals=np.append(np.full(at.size - 1, COARSE), 0.0))
-        common = input_errors(data)[0, 0] * COARSE
+        common = input_errors(data)[:KINDS, 0].sum(axis=0) * COARSE
         shares.append((area @ common) / (common @ common))
     assert np.mean(shares) == pytest.approx(1.0, abs=0.2)
+
+
+def corrected(values, every=EVERY):
+    """Areas of the errors of straight lines between samples, and of their correction, about each of the samples."""
+    at = np.arange(0, values.size, every)
+    model = shipid.find_model("norrbin")
+    data = prepare(model, log(np.arange(values.size) * FINE, values, 0, 1, every), tuple(NOISE), SPEED)
+    error = values - np.interp(np.arange(values.size), at, values[at])
+    return error.sum() * FINE, input_errors(data)[:KINDS, model.inputs.index("delta")].sum() * every * FINE
+
+
+@pytest.mark.parametrize("part", (0.0, 0.2, 0.5, 0.75))
+def test_a_corner_between_two_samples_is_found(part):
+    """Of one that stands by itself the area is that of its triangle, wherever in its interval it is."""
+    t = np.arange(0, 20.01, FINE)
+    error, correction = corrected(np.deg2rad(np.minimum(t, 10 + part)))
+    assert error == pytest.approx(np.deg2rad(part * (1 - part) / 2), abs=1e-12)
+    assert correction == pytest.approx(error, abs=1e-12)
+
+
+def test_a_constant_bend_is_found():
+    """A parabola is above its chords by a twelfth of the bend and the cube of the interval."""
+    t = np.arange(0, 40.01, FINE)
+    error, correction = corrected(-0.0005 * (t - 10) ** 2 * (t > 10))
+    assert error == pytest.approx(30 * 0.001 / 12, rel=0.01)
+    assert correction == pytest.approx(error, rel=0.05)
 
 
 def test_the_common_error_of_two_trials_is_one(fine):
@@ -112,8 +151,8 @@ def test_the_common_error_of_two_trials_is_one(fine):
     fit = shipid.identify("norrbin", trials, ship="zeefakkel", starts=1)
     one, other = (data.unsure for data in fit.identified.problem.trials)
     assert one.shape[0] == other.shape[0]
-    assert one[0].any() and other[0].any()
-    assert not (one[1:].any(axis=(1, 2)) & other[1:].any(axis=(1, 2))).any()
+    assert one[:KINDS].any() and other[:KINDS].any()
+    assert not (one[KINDS:].any(axis=(1, 2)) & other[KINDS:].any(axis=(1, 2))).any()
     assert np.abs(off(fit)[0]).max() < 2.5
 
 
