@@ -96,7 +96,9 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
         return solution
     shown = sum(np.sum((c / level[:, None]) ** 2, axis=(1, 2)) for c, level in zip(common, levels))
     whole = np.concatenate([c.reshape(KINDS, -1) for c in common], axis=1)
-    if not (shown > _NOTHING).any() or not _moves(solution, whole):
+    # What they are likely to be, and by how much each kind may be off that.
+    likely = np.vstack([whole.sum(axis=0), _SURE[:, None] * whole])
+    if not (shown > _NOTHING).any() or not _moves(solution, likely):
         return solution
     # Errors of single intervals belong to one trial, the common one to all.
     ends = KINDS + np.cumsum([len(e) - KINDS for e in errors])
