@@ -150,6 +150,18 @@ def test_intervals_of_whitened_residuals_hold_what_they_say() -> None:
     assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.5
 
 
+def test_an_effect_that_a_model_lacks_is_told_under_an_autopilot_as_well() -> None:
+    """A first-order model of a second-order ship finds four fifths of her gain, and the intervals of noise were ten deviations off that."""
+    pilot = shipid.design_autopilot("nomoto-second-order", "mariner")
+    orders = [(f"{30 + 270 * k} s", "30 deg" if k % 2 == 0 else "0 deg") for k in range(4)]
+    how = {"waves": "0.5 deg from 60 deg", "noise": "psi=0.1 deg,r=0.02 deg/s", "duration": "1100 s", "sampling": "1 s"}
+    fit = shipid.identify("nomoto", [shipid.sail(pilot, orders, **how, seed=1)], ship="mariner", starts=1)
+    assert fit.identified.solution.whitened
+    assert [n.kind for n in fit.warnings] == ["effect-missing"]
+    gain = fit.parameters["K"]
+    assert 0.185 - 2 * gain.std < gain.value < 0.165
+
+
 def test_a_zigzag_in_waves_is_not_whitened() -> None:
     """Her helmsman waits for the heading; what he does between is no answer to noise."""
     trial = shipid.simulate("nomoto", "zeefakkel", "zigzag:20/20", waves="1 deg from 40 deg", noise="standard", seed=1)

@@ -139,7 +139,7 @@ def missing_effect(
     Parameters
     ----------
     solution : Solution
-        At its optimum, of least squares; none is looked for in another.
+        At its optimum, of least squares, also of whitened residuals; none is looked for in another.
     covariance : ndarray, shape (parameters, parameters)
         Of its coefficients by noise; infinite variances stay.
     fitted : sequence of Comparison
@@ -150,11 +150,13 @@ def missing_effect(
     problem, shared = solution.problem, len(solution.problem.estimated)
     yaw = [j for j, s in enumerate(problem.signals) if s in _YAW]
     turning = _turning(fitted)
-    if solution.covariance is not None or not (yaw and shared and turning and "delta" in problem.model.inputs):
+    by_residuals = solution.covariance is None or solution.whitened
+    if not by_residuals or not (yaw and shared and turning and "delta" in problem.model.inputs):
         return None
     kinds = [dict(_effects(problem, data, unit_time)) for data in problem.trials]
     names = [n for n in EFFECTS if all(n in k for k in kinds)]
     before: float | None = None
+    noise: list[Autoregression] = []
     evidence, errors = {}, {}
     for name in names:
         rows, pulled = _rows(solution, yaw, [k[name] for k in kinds], turning)
@@ -164,6 +166,8 @@ def missing_effect(
             if not any(model.order for model in noise):
                 return None
             before = _weighed(rows, noise, alone=True).likelihood
+        if solution.whitened:
+            pulled = _pulled_white(rows, noise)
         after = _with_effect(rows)
         evidence[name] = after.likelihood - before
         second = np.outer(after.mean, after.mean) + after.covariance
@@ -266,6 +270,13 @@ def _rows(
     norms = np.where(norms > 0, norms, 1.0)
     inverse = np.linalg.pinv(solution.jacobian / norms, rcond=_NOTHING) / norms[:, None]
     return found, inverse @ inverse.T @ along
+
+
+def _pulled_white(rows: Sequence[_Rows], noise: Sequence[Autoregression]) -> np.ndarray:
+    """By what an effect of unit size pulls each unknown where residuals are whitened: there the noise says which rows count."""
+    white = [whitened(model, np.concatenate([r.slopes, r.effects], axis=2))[0] for r, model in zip(rows, noise)]
+    together, unknowns = np.concatenate(white), rows[0].slopes.shape[2]
+    return np.array([_solved(together[:, :unknowns], column) for column in together[:, unknowns:].T]).T
 
 
 def _with_effect(rows: Sequence[_Rows]) -> _Weighed:
