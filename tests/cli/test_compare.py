@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 
 from shipid.cli import run
+from shipid.identification.choice import side_by_side
 
 TRIALS = Path(__file__).resolve().parents[2] / "studies" / "trials"
 ZIGZAGS = [str(TRIALS / f"container-{n}-{n}.csv") for n in (20, 10)]
+#: Two swings, where a command is tried and not a choice.
+SHORT = [f"{path}@0:300" for path in ZIGZAGS]
 
 
 def test_a_ranking_is_printed(capsys):
-    assert run(["compare", *ZIGZAGS, "--models", "nomoto,norrbin", "--ship", "soesterberg", "--starts", "1"]) == 0
+    assert run(["compare", *SHORT, "--models", "nomoto,norrbin", "--ship", "soesterberg", "--starts", "1"]) == 0
     out = capsys.readouterr().out
     assert "to take:" in out and "nomoto" in out and "norrbin" in out
 
@@ -47,11 +50,12 @@ def test_json_is_one_object(capsys):
     assert set(result["ranking"][0]["validation"]) == {"container-10-10"}
 
 
-def test_an_input_is_held_in_the_candidates_that_read_it(capsys):
-    """A speed log that a model of the speed reads and the other states; the candidates are tried in this process and by workers."""
-    trial = ["compare", ZIGZAGS[0], "--models", "nomoto,de-keizer", "--ship", "soesterberg", "--starts", "1", "--json"]
+def test_an_input_is_held_in_the_candidates_that_read_it(capsys, monkeypatch):
+    """A speed log that a model of the speed reads and the other states; the candidates are tried in this process, then by workers."""
+    trial = ["compare", SHORT[0], "--models", "nomoto,de-keizer", "--ship", "soesterberg", "--starts", "1", "--json"]
     shares = []
-    for arguments in (trial, [*trial, "--input", "u=9.5 m/s"]):
+    for processors, arguments in ((1, trial), (2, [*trial, "--input", "u=9.5 m/s"])):
+        monkeypatch.setattr(side_by_side, "processors", lambda count=processors: count)
         assert run(arguments) == 0
         shares.append({one["model"]: one["error"] for one in json.loads(capsys.readouterr().out)["ranking"]})
     assert shares[0]["de-keizer"] == shares[1]["de-keizer"]

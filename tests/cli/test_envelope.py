@@ -130,6 +130,11 @@ def words(monkeypatch) -> list[str]:
 @pytest.mark.parametrize("command", CALLS)
 def test_the_form_of_a_command(command, call, zigzag, tmp_path, words, raw_numbers):
     """Of its JSON; and the numbers of its text and of its page are for a reader."""
+    if command == "track":
+        # Plots once a second: five times as many take five times as long and are no other tracks.
+        comment, header, *rows = zigzag.read_text().splitlines()
+        zigzag = tmp_path / "plots.csv"
+        zigzag.write_text("\n".join([comment, header, *rows[::5]]) + "\n")
     arguments = [a.replace("{}", str(zigzag)).replace("{folder}", str(zigzag.parent)) for a in CALLS[command]]
     out = ["--out", tmp_path / "out"] if command in WITH_A_PAGE else []
     answer = call(command, *arguments, "--json", *out)

@@ -21,7 +21,7 @@ def test_without_a_compiler_or_a_cache(zigzag, fitted, tmp_path, lack):
     wall.write_text("a file where a folder should be")
     changes = {"PATH": str(tmp_path), "CC": ""} if lack == "compiler" else {"SHIPID_CACHE": str(wall / "cache")}
     words = "no C compiler found" if lack == "compiler" else "Nothing is kept between runs"
-    arguments = [*COMMAND, "identify", str(zigzag), *fitted, "--json"]
+    arguments = [*COMMAND, "identify", f"{zigzag}@0:100", *fitted, "--json"]
     usual = environment(**({"SHIPID_COMPILE": "0"} if lack == "compiler" else {}))
     plain = subprocess.run(arguments, capture_output=True, text=True, env=usual)
     done = subprocess.run(arguments, capture_output=True, text=True, env=environment(**changes), cwd=tmp_path)
@@ -35,7 +35,8 @@ def test_without_a_compiler_or_a_cache(zigzag, fitted, tmp_path, lack):
 def test_read_only_working_directory(zigzag, fitted, tmp_path):
     here = tmp_path / "here"
     here.mkdir(mode=0o555)
-    done = subprocess.run([*COMMAND, "identify", str(zigzag), *fitted], capture_output=True, text=True, cwd=here)
+    arguments = ["identify", f"{zigzag}@0:100", *fitted]
+    done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, cwd=here)
     assert (done.returncode, done.stderr) == (0, "")
     assert list(here.iterdir()) == []
 
@@ -104,7 +105,7 @@ def test_stopped_while_fitting(zigzag, fitted, tmp_path, number, code, how):
     SIGTERM in one way only: the note that finds a lost exception does not depend on the signal.
     """
     out = tmp_path / "out"
-    arguments = ["identify", str(zigzag), *fitted, "--starts", "100000", "--out", str(out), "--json"]
+    arguments = ["identify", f"{zigzag}@0:100", *fitted, "--starts", "100000", "--out", str(out), "--json"]
     command = [sys.executable, "-c", STOPPED, number, how, *arguments]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stdout) == (code, "")

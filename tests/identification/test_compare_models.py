@@ -17,7 +17,7 @@ from shipid.identification.compare_models import compare_models
 @pytest.fixture(scope="module")
 def cubic_trials(sail):
     return [
-        sail("norrbin", "zeefakkel", m, seed=i, name=f"t{i}")
+        sail("norrbin", "zeefakkel", m, seed=i, name=f"t{i}", sampling="0.5 s")
         for i, m in enumerate(("zigzag:20/20", "zigzag:10/10", "zigzag:30/15"))
     ]
 
@@ -54,7 +54,8 @@ def test_every_trial_is_left_out_once(ranking):
 def test_the_simpler_of_two_tied_models_is_taken(sail):
     """A linear ship: the cubic predicts as well with one coefficient more, and gains nothing."""
     trials = [
-        sail("nomoto", "zeefakkel", m, seed=i, name=f"t{i}") for i, m in enumerate(("zigzag:20/20", "zigzag:10/10"))
+        sail("nomoto", "zeefakkel", m, seed=i, name=f"t{i}", sampling="0.5 s")
+        for i, m in enumerate(("zigzag:20/20", "zigzag:10/10"))
     ]
     ranking = compare_models(["norrbin", "nomoto"], trials, ship="zeefakkel", starts=1, workers=1)
     counts = {r.model: r.coefficients for r in ranking.ranks}

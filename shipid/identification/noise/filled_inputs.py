@@ -92,13 +92,17 @@ def _changes(
     record = make_record(model, problem.shown)
     x0 = initial_state(model, problem.start(q, index))
     p, bias = coefficient_vector(model, problem.values(q)), problem.bias_vector(q[problem.own(index)])
+    # An error of another trial, or of an input that nothing shown depends on, changes nothing: it needs no run.
+    read = [model.inputs.index(name) for name in generate(model).inputs_behind(problem.shown)]
+    acting = np.flatnonzero(errors[:, read].any(axis=(1, 2)))
     # The first run is without errors.
-    every = np.concatenate([inputs[None], inputs + errors])
+    every = np.concatenate([inputs[None], inputs + errors[acting]])
     x0, p, bias = (np.broadcast_to(v, (len(every), v.size)) for v in (x0, p, bias))
     y = run_many(record, x0, every, np.diff(t, append=t[-1]), p, bias)[0][:, :, rows]
     if not np.isfinite(y).all():
         return None
-    change = np.where(data.there, (y[1:] - y[0]) / problem.sigma[:, None], 0.0)
+    change = np.zeros((len(errors), *y.shape[1:]))
+    change[acting] = np.where(data.there, (y[1:] - y[0]) / problem.sigma[:, None], 0.0)
     if problem.weights is not None:
         change = change * np.sqrt(problem.weights[index])
     return np.asarray(change)

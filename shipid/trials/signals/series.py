@@ -47,7 +47,15 @@ def value_at(t: np.ndarray, y: np.ndarray, when: float, half: float, degree: int
         # Too few samples to smooth over: the value is interpolated between neighbours.
         return float(np.interp(when, t, y))
     x = (t[first:last] - when) / half
-    return float(np.polynomial.polynomial.polyfit(x, y[first:last], degree)[0])
+    return float(_fitted(x, y[first:last], degree)[0])
+
+
+def _fitted(x: np.ndarray, y: np.ndarray, degree: int) -> np.ndarray:
+    """Coefficients of a polynomial by least squares, the constant first, of an x of order one.
+
+    As numpy's ``polyfit``, whose preparations take several times as long as the solution of so few samples.
+    """
+    return np.asarray(np.linalg.lstsq(np.vander(x, degree + 1, increasing=True), y, rcond=None)[0])
 
 
 def crossing(t: np.ndarray, y: np.ndarray, level: float) -> float | None:
@@ -118,8 +126,8 @@ def maximum(t: np.ndarray, y: np.ndarray, width: float) -> tuple[float, float] |
         return float(t[top]), float(y[top])
     span = 0.5 * (t[last - 1] - t[first])
     x = (t[first:last] - t[top]) / span
-    fit = np.polynomial.Polynomial.fit(x, y[first:last], degree)
+    fit = _fitted(x, y[first:last], degree)
     fine = np.linspace(x[0], x[-1], 401)
-    values = fit(fine)
+    values = np.polynomial.polynomial.polyval(fine, fit)
     best = int(np.argmax(values))
     return float(t[top] + span * fine[best]), float(values[best])

@@ -13,6 +13,7 @@ import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
 from shipid.identification.evidence.between_samples import KINDS, input_errors
+from shipid.identification.noise import filled_inputs
 from shipid.identification.problem.trial_data import prepare
 
 identifying = importlib.import_module("shipid.identification.identify")
@@ -163,3 +164,20 @@ def test_a_rudder_that_is_sampled_finely_is_left_as_it_is(fine):
     data = fit.identified.problem.trials[0]
     assert data.unsure is None
     assert (data.inputs[0] == data.trial["delta"]).all()
+
+
+def test_an_error_that_changes_nothing_is_not_run(fine, monkeypatch):
+    """Those of the other trials, and of the speed, which moves only positions of this model: no run for them, and no change by them."""
+    trials = [log(*fine, first, first) for first in (3, 11)]
+    fit = shipid.identify("norrbin", trials, ship="zeefakkel", starts=1).identified
+    whole, runs = filled_inputs.run_many, []
+    monkeypatch.setattr(filled_inputs, "run_many", lambda *a: runs.append(len(a[1])) or whole(*a))
+    errors = fit.problem.trials[0].unsure
+    beside = np.zeros_like(errors)
+    beside[:, fit.problem.model.inputs.index("u")] = 0.1
+    changes = filled_inputs.changes_by(fit.problem, fit.solution.q, 0, np.concatenate([errors, beside]))
+    acting = errors.any(axis=(1, 2))
+    assert acting.any() and not acting.all()
+    assert runs == [1 + np.count_nonzero(acting)]
+    assert changes[: len(errors)][acting].any(axis=(1, 2)).all()
+    assert not changes[: len(errors)][~acting].any() and not changes[len(errors) :].any()
