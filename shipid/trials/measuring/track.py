@@ -160,6 +160,50 @@ def track_channels(trial: Trial, wrong: Mapping[str, np.ndarray]) -> tuple[Chann
     return Channel("x", t, path[0], holes, trial.sampling), Channel("y", t, path[1], holes, trial.sampling), path[2]
 
 
+def turning_width(interval: float, lasts: float) -> float:
+    """Return half the time over which the heading and the positions of a turn are averaged, in s.
+
+    Parameters
+    ----------
+    interval : float
+        Usual interval of the samples, s.
+    lasts : float
+        How long the rudder is over, s.
+    """
+    return max(5 * interval, 0.01 * lasts)
+
+
+def smooth_track(trial: Trial, moments: np.ndarray, half: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return north and east [m] at given moments, smoothed as the distances of a turn are; None where nothing gives them.
+
+    Parameters
+    ----------
+    trial : Trial
+        As for `track`.
+    moments : ndarray, shape (m,)
+        The moments [s].
+    half : float
+        Half the time over which positions are averaged [s].
+
+    Returns
+    -------
+    tuple of ndarray, shape (m,), or None
+        NaN in a hole of the record.
+    """
+    channels = track_channels(trial, {})
+    if channels is None:
+        return None
+    return _at(channels[0], moments, half), _at(channels[1], moments, half)
+
+
+def _at(channel: Channel, moments: np.ndarray, half: float) -> np.ndarray:
+    """A coordinate at given moments; what is reckoned from speed and heading is smooth as it is."""
+    values = series.local_values(channel.t, channel.y, max(half, 2.5 * channel.interval))
+    found = np.interp(moments, channel.t, values, left=np.nan, right=np.nan)
+    begin, end = np.array(channel.holes).reshape(-1, 2).T[:, :, None]
+    return np.where(((moments > begin) & (moments < end)).any(axis=0), np.nan, found)
+
+
 def jumped(channel: Channel, start: float, end: float) -> float:
     """Return how far a position has jumped in a span of time, beyond how it moved just before and behind it, in m.
 

@@ -24,6 +24,7 @@ from shipid.trials.measuring.track import (
     over_ground_notes,
     speed_channel,
     track_channels,
+    turning_width,
 )
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
@@ -122,7 +123,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         )
     side, when = plate.side, start[0].time
     off = min(_released(steering, plate), driven_until(trial, when))
-    calm = max(5 * psi.interval, 0.01 * (off - when))
+    calm = turning_width(psi.interval, off - when)
     psi = psi.bridged(_BRIDGED * (off - when) * pi / 2 / max(_turned(psi, when, off), pi / 2))
     reasons: dict[str, str] = {}
     # The course before the order: the ship turns after it, so nothing of that may be averaged in.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import savgol_filter
 
 
 def smoothed(t: np.ndarray, y: np.ndarray, width: float) -> np.ndarray:
@@ -48,6 +49,24 @@ def value_at(t: np.ndarray, y: np.ndarray, when: float, half: float, degree: int
         return float(np.interp(when, t, y))
     x = (t[first:last] - when) / half
     return float(np.polynomial.polynomial.polyfit(x, y[first:last], degree)[0])
+
+
+def local_values(t: np.ndarray, y: np.ndarray, half: float) -> np.ndarray:
+    """Return `value_at` of degree two at every sample of a noisy series.
+
+    Parameters
+    ----------
+    t, y : ndarray, shape (n,)
+        Time [s] and series; the clock is taken to be about regular.
+    half : float
+        Half width of the stretch that is fitted [s]; below five samples nothing is smoothed.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    size = min(2 * int(half / float(np.median(np.diff(t)))) + 1, (len(y) - 1) | 1)
+    return y if size < 5 else np.asarray(savgol_filter(y, size, 2))
 
 
 def crossing(t: np.ndarray, y: np.ndarray, level: float) -> float | None:

@@ -28,7 +28,7 @@ _LIMITS = [
 #: What the figure of a manoeuvre shows, by the class of its measures.
 _CAPTIONS = {
     "ZigZag": "Heading and rudder; each overshoot is marked. The tables count time from the beginning of the record.",
-    "TurningCircle": "The track of the circle with the ship's outline, and its dimensions.",
+    "TurningCircle": "The track of the circle, averaged as for its dimensions, with the ship's outline.",
     "MeasuredSpiral": "Steady rate of turn against rudder angle.",
     "PullOut": "Rate of turn after the rudder is put amidships.",
 }
