@@ -21,6 +21,7 @@ from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
 from shipid.report.figures.comparisons import heading_drawing
 from shipid.report.page import Page, Section
+from shipid.report.pdf import write_pdf
 from shipid.report.write_report import render, write_report
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import not_read
@@ -250,6 +251,28 @@ def test_a_report_is_printed(fit, criteria, tmp_path):
     whole = " ".join(p.extract_text() for p in printed.pages)
     assert "Ljung and Box" in whole, "what is folded on a screen is open on paper"
     assert [p.name for p in tmp_path.iterdir()] == ["fit.pdf"]
+
+
+def test_a_long_table_breaks_between_its_rows_and_a_short_one_stays_whole(tmp_path):
+    if shutil.which("chromium") is None:
+        pytest.skip("no Chromium on this machine")
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
+    template = environment.from_string(
+        '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+        '{% from "macros.html" import table %}<div style="height: 200mm"></div><p>Above.</p>'
+        '{{ table([("Finding", "what"), ("Meaning", "words", "wide")], rows) }}'
+    )
+    printed = {}
+    for count in (4, 14):
+        rows = [{"what": f"row{k}.", "words": " ".join(["Running text of a finding."] * 12)} for k in range(count)]
+        (tmp_path / "page.html").write_text(template.render(rows=rows), encoding="utf-8")
+        write_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
+        printed[count] = [p.extract_text() for p in pypdf.PdfReader(tmp_path / "page.pdf").pages]
+    assert "row0." not in printed[4][0] and "row3." in printed[4][1]
+    first, second = printed[14]
+    assert "row1." in first and "row13." in second
+    for page in (first, second):
+        assert "FindingMeaning" in page.replace("\n", "").replace(" ", ""), "the head stands on both pages"
 
 
 def test_a_card_that_only_a_number_names_says_what_the_number_counts():
