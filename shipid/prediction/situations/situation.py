@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import FIELDS, shown_estimate
+from shipid.declaration.units import pretty, to_si
+from shipid.declaration.vocabulary import FIELDS, compass, display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief, fixed, last_place
 from shipid.foundation.result import Result, table
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: Decimals a value is rounded to before it is shown.
+_DECIMALS = 9
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +162,43 @@ class Situation(Result):
             return self.current_std
         return self.std_of(name)
 
+    def told(self, name: str) -> tuple[str, str, str]:
+        """Return a value, its standard deviation and its unit, as a terminal and a page print them.
+
+        Parameters
+        ----------
+        name : str
+            A key of `values`.
+
+        Returns
+        -------
+        tuple of str
+            The value to the second digit of its standard deviation, a heading in compass degrees; no standard deviation where the
+            value is taken as known.
+        """
+        inside, value = _unit(name), self.values[name]
+        std = float(to_display(self.told_std(name), name, inside))
+        place = None if std <= 0 else max(0, last_place(std))
+        unit = display_unit(name, inside)
+        if name == "psi":
+            said = compass(value) if place is None else compass(value, place)
+        else:
+            # Rounded first: of a current to the east, the sine leaves a rest to the north.
+            shown = round(float(to_display(value, name, inside)), _DECIMALS)
+            said = brief(shown, 4) if place is None else fixed(shown, place).replace("−", "-")
+        return said, "" if place is None else fixed(std, place), "" if unit == "1" else pretty(unit)
+
+    def told_in_words(self, name: str) -> str:
+        """Return a value with its standard deviation and unit in one piece: ``"8.341 ± 0.042 m/s"``.
+
+        Parameters
+        ----------
+        name : str
+            A key of `values`.
+        """
+        value, std, unit = self.told(name)
+        return f"{value}{f' ± {std}' if std else ''} {unit}".rstrip()
+
     def with_structure(self, growth: float) -> Situation:
         """Return the situation with a larger error of the model.
 
@@ -178,7 +219,7 @@ class Situation(Result):
 
     def text(self) -> str:
         """Return the situation in lines of text."""
-        lines = [f"  {n:<16s} {shown_estimate(v, self.told_std(n), n, _unit(n))}" for n, v in self.values.items()]
+        lines = [f"  {n:<16s} {self.told_in_words(n)}" for n in self.values]
         return "\n".join([f"situation at {self.t:g} s", *lines])
 
 
