@@ -12,8 +12,8 @@ from scipy.special import chdtri, stdtrit
 
 from shipid.campaign.campaign import Measure
 from shipid.foundation.aliases import Plain
-from shipid.foundation.result import Result
 from shipid.foundation.numbers import brief, number
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import NORMAL_95, plain
 
 #: Different texts that are counted; with more, the rest is counted together.

@@ -149,6 +149,9 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             )
             quarters[k - 1] = None
     moving = speed_channel(trial, faults.wrong)
+    for k, quarter in enumerate(quarters, start=1):
+        if moving is not None and quarter is not None and (hole := moving.hole(quarter)) is not None:
+            reasons[f"speeds[{k}]"] = faults.hole(moving.name, hole)
     found: dict[str, Plain] = {}
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
@@ -234,7 +237,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         execute_within=start[0].within,
         course=None if "course" in reasons else course,
         times=tuple(None if q is None else q - when for q in quarters),
-        speeds=tuple(_speed_at(moving, q, calm) for q in quarters),
+        speeds=None if moving is None else tuple(_speed_at(moving, q, calm) for q in quarters),
         pull_out_rate=_pull_out(steering, psi, plate, off),
         reasons=reasons | ({} if start[0].hole is None else {"first_execute": faults.hole("delta", start[0].hole)}),
         notes=(

@@ -11,12 +11,12 @@ from shipid.trials.measuring.results.turning_circle import TurningCircle
 @pytest.mark.parametrize(
     ("angle", "shown"),
     [
-        (359.98, "000 deg"),
-        (-0.02, "000 deg"),
+        (359.98, "000.0 deg"),
+        (-0.02, "000.0 deg"),
         (359.9, "359.9 deg"),
-        (90.0, "090 deg"),
+        (90.0, "090.0 deg"),
         (7.3, "007.3 deg"),
-        (725.0, "005 deg"),
+        (725.0, "005.0 deg"),
     ],
 )
 def test_a_direction_is_shown_as_on_a_compass(angle, shown):
