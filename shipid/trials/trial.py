@@ -13,6 +13,7 @@ from shipid.declaration import units as border
 from shipid.declaration.vocabulary import FIELDS, display_unit
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError, nearest
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import DrawnResult
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
@@ -112,7 +113,7 @@ class Trial(DrawnResult):
         t = self["t"]
         lines = [
             f"Trial '{self.name}'" + (f", ship {self.ship}" if self.ship else ""),
-            f"  {len(self)} samples, {t[0]:g} to {t[-1]:g} s, every {self.sampling:.4g} s",
+            f"  {len(self)} samples, {t[0]:g} to {t[-1]:g} s, every {brief(self.sampling, 4)} s",
         ]
         for column in self.table.columns[1:]:
             shown = display_unit(column, self.unit(column))
@@ -120,7 +121,9 @@ class Trial(DrawnResult):
             there = values[np.isfinite(values)]
             missing = f", {len(values) - len(there)} missing" if len(there) < len(values) else ""
             extent = (
-                f"{there.min():11.4g} to {there.max():.4g} {border.pretty(shown)}" if len(there) else f"{'none':>11s}"
+                f"{there.min():11.4g} to {brief(there.max(), 4)} {border.pretty(shown)}"
+                if len(there)
+                else f"{'none':>11s}"
             )
             lines.append(f"  {column:<12s} {extent}{missing}")
         lines += [f"  note: {note}" for note in self.source.notes]

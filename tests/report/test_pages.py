@@ -20,7 +20,6 @@ from shipid.foundation.errors import UsageError
 from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
 from shipid.report.figures.comparisons import heading_drawing
-from shipid.report.page import Page, Section
 from shipid.report.pdf import write_pdf
 from shipid.report.write_report import render, write_report
 from shipid.trials.doctor.check_trial import check_trial
@@ -201,17 +200,6 @@ def test_a_turn_has_its_rudder_below_its_heading(fit):
     table["psi"] = np.linspace(0.0, np.deg2rad(600.0), len(table))
     turned = dataclasses.replace(kept, trial=dataclasses.replace(kept.trial, table=table))
     assert [len(heading_drawing({"a": c}).figure().axes) for c in (kept, turned)] == [1, 2]
-
-
-@pytest.mark.parametrize(("rows", "classes"), [(3, "stack"), (40, "stack long")])
-def test_only_a_table_longer_than_a_sheet_of_paper_is_split(rows, classes):
-    """Kept whole, it would leave the sheet before it empty."""
-    view = {
-        "columns": [("Mean", "mean", "n"), ("Unit", "unit")],
-        "rows": [{"what": "a", "mean": "1", "unit": "m"}] * rows,
-    }
-    page = Page("A page", [], [Section("Measures", "campaign/measures.html", view)]).html()
-    assert f'<table class="{classes}">' in page and ".scroll:has(> .long) { break-inside: auto; }" in page
 
 
 def test_a_report_asks_for_a_kind_it_knows(results):

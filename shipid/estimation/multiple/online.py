@@ -23,6 +23,7 @@ from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.records.clock import steps
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.numbers import brief, moment
 from shipid.foundation.result import Result
 from shipid.generation.loop import Stepper
 
@@ -93,7 +94,9 @@ class MultipleModelEstimate(SampleEstimate):
     @property
     def remarks(self) -> tuple[str, ...]:
         """The probabilities of the modes."""
-        return ("modes: " + ", ".join(f"{n} {p:.4g}" for n, p in zip(self.design.names, self.probabilities.tolist())),)
+        return (
+            "modes: " + ", ".join(f"{n} {brief(p, 4)}" for n, p in zip(self.design.names, self.probabilities.tolist())),
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -385,6 +388,6 @@ class OnlineMultipleModel:
         estimate = self.estimate
         if not math.isfinite(float(estimate.x.sum() + estimate.covariance.sum())):
             raise FilterDivergedError(
-                f"{self.design!r} diverges at {self.t:.5g} s. Start closer to the true state, or put more noise on the states."
+                f"{self.design!r} diverges at {moment(self.t)} s. Start closer to the true state, or put more noise on the states."
             )
         return estimate

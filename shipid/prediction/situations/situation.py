@@ -113,12 +113,12 @@ class Situation(Result):
             raise UsageError(f"a prediction begins from numbers, and '{wrong[0]}' is none.")
         if not self.values["u"] > 0:
             raise UsageError(
-                f"a prediction runs along the distance sailed ahead, and at u = {self.values['u']:.3g} m/s the ship makes none."
+                f"a prediction runs along the distance sailed ahead, and at u = {brief(self.values['u'])} m/s the ship makes none."
             )
         if abs(self.values.get("v", 0.0)) > self.values["u"]:
             raise UsageError(
-                f"a prediction runs along the distance sailed ahead, and at v = {self.values['v']:.3g} m/s beside u = "
-                f"{self.values['u']:.3g} m/s the ship drifts by more than 45 degrees: state the speed ahead as u; of a trial, check "
+                f"a prediction runs along the distance sailed ahead, and at v = {brief(self.values['v'])} m/s beside u = "
+                f"{brief(self.values['u'])} m/s the ship drifts by more than 45 degrees: state the speed ahead as u; of a trial, check "
                 "that it is this ship's."
             )
         count = len(self.uncertain)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from shipid.foundation.numbers import brief
+from shipid.foundation.numbers import brief, moment
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
@@ -305,7 +305,7 @@ class TurnTrack:
         size = float(np.hypot(north, east))
         if size <= _JUMP * float(np.hypot(*self.moved(at))):
             return None
-        return f"the positions jump by {brief(size, 3)} m at {spans[0][0]:.5g} s"
+        return f"the positions jump by {brief(size, 3)} m at {moment(spans[0][0])} s"
 
     def distances(self, quarters: list[float | None], reasons: dict[str, str]) -> dict[str, float | None]:
         """Return advance, transfer and tactical diameter over the ground [m].

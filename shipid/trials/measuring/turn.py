@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import brief
+from shipid.foundation.numbers import brief, moment
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.current import drift_of, still_water
 from shipid.trials.measuring.faults import Faults
@@ -136,7 +136,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     running = slice(int(np.searchsorted(psi.t, when)), int(np.searchsorted(psi.t, off, side="right")))
     if running.stop - running.start < 2:
         raise NotAManoeuvreError(
-            f"trial '{trial.name}' has no heading while the rudder is over, from {when:.5g} to {off:.5g} s: the turn cannot be measured."
+            f"trial '{trial.name}' has no heading while the rudder is over, from {moment(when)} to {moment(off)} s: the turn cannot be measured."
         )
     smooth = series.smoothed(psi.t, turned, calm)[running]
     quarters: list[float | None] = [series.crossing(psi.t[running], smooth, q) for q in _QUARTERS]
