@@ -64,6 +64,8 @@ def loop_width_limit(unit_time: float) -> float:
 
 #: Water so many draughts deep is shallow to the standard (MSC/Circ.1053, 2.2).
 DEEP = 4.0
+#: Why a quantity with a value to both sides is not decided.
+OPEN = "the limit lies inside the 95 % band"
 _VERDICT = {True: "within", False: "BEYOND", None: ""}
 #: Digits behind the point, by the unit of a quantity: a log shows a tenth of a degree, and lengths are told to a hundredth.
 _DECIMALS = {"deg": 1, "L": 2}
@@ -138,11 +140,20 @@ class Criterion(Result):
 
     @property
     def within(self) -> bool | None:
-        """Whether both sides are within the limit; None where there is none, or a side was not reached."""
-        values = [self.starboard.value, self.port.value]
-        if self.limit is None or any(v is None for v in values):
+        """Whether both sides are within the limit; None where there is none, a side was not reached, or it lies inside a band."""
+        values = [side.value for side in (self.starboard, self.port) if side.value is not None]
+        if self.limit is None or len(values) < 2:
             return None
-        return all(v is not None and v <= self.limit for v in values)
+        limit, bands = self.limit, [side.band95 for side in (self.starboard, self.port)]
+        if any(value > limit and (band is None or band[0] > limit) for value, band in zip(values, bands)):
+            return False
+        return None if self.open else True
+
+    @property
+    def open(self) -> bool:
+        """Whether the limit lies inside the 95 % band of a side: what is known of the ship does not decide it."""
+        ends = [side.band95 for side in (self.starboard, self.port) if side.band95 is not None]
+        return self.limit is not None and any(low <= self.limit <= high for low, high in ends)
 
 
 @dataclass(frozen=True, repr=False)
@@ -225,6 +236,7 @@ class Criteria(DrawnResult):
         for row in self.rows:
             cells = " ".join(f"{_short(row.cell(side)):>22s}" for side in (row.starboard, row.port))
             verdict = "" if row.limit is None else row.verdict.replace("beyond", "BEYOND")
+            verdict += f": {OPEN}" if row.within is None and row.open else ""
             lines.append(
                 f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {verdict}".rstrip()
             )

@@ -305,9 +305,9 @@ def described(value: Plain) -> str:
         if value.ndim == 0 or (value.ndim == 1 and value.size <= LINES):
             return ", ".join(described(v) for v in np.atleast_1d(value).tolist())
         return f"array of shape {value.shape}"
-    if isinstance(value, bool | None | str):
+    if isinstance(value, int | None | str):
         return str(value)
-    if isinstance(value, float | int):
+    if isinstance(value, float):
         return brief(value, 6)
     if isinstance(value, complex):
         return f"{value:.4g}" if value.imag else brief(value.real, 4)

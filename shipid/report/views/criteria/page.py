@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from shipid.criteria.criteria import NOT_COVERED, Criteria, Criterion, CriterionSide, decimals
+from shipid.criteria.criteria import NOT_COVERED, OPEN, Criteria, Criterion, CriterionSide, decimals
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
@@ -77,8 +77,11 @@ def _told(found: Criteria, notes: Sequence[str]) -> Section:
             "limit": row.limit_text or "none",
             # Of both sides once; what the model does not sail at all is told in a note.
             "remark": " ".join(
-                dict.fromkeys(
-                    _why(s) for s in (row.starboard, row.port) if s.value is None and NOT_SAILED not in s.words
+                ([f"{sentence(OPEN)}."] if row.within is None and row.open else [])
+                + list(
+                    dict.fromkeys(
+                        _why(s) for s in (row.starboard, row.port) if s.value is None and NOT_SAILED not in s.words
+                    )
                 )
             ),
         }
