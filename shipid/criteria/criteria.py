@@ -230,7 +230,7 @@ class Criteria(DrawnResult):
         """Return the result in lines of text."""
         head = f"{self.model} of {self.ship}, {WORDING}: L {self.length:g} m, V {brief(self.speed)} m/s"
         lines = [
-            f"{head}, L/V {self.length / self.speed:.1f} s",
+            f"{head}, L/V {brief(self.length / self.speed)} s",
             f"  {'':42s} {'starboard':>22s} {'port':>22s}   limit",
         ]
         for row in self.rows:

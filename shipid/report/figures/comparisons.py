@@ -131,7 +131,9 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
     note = f"Track, north up, {scales}."
     if measured is not None:
-        note += f" Measured track from {measured[2]}."
+        width = 2 * _averaged(_times(trial)) if measured[2] == "positions" else 0.0
+        over = f", averaged over {brief(width, 2)} s" if width else ""
+        note += f" Measured track from {measured[2]}{over}."
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
@@ -209,16 +211,21 @@ def _measured_track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
     t = trial["t"]
     if trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any():
         north, east = (with_gaps(t[both], trial[n][both])[1] for n in ("x", "y"))
-        calm = smooth_track(trial, t[both], _averaged(t[both]))
+        calm = smooth_track(trial, t[both], _averaged(t[both])) if both.sum() >= _FEW else None
         if calm is not None and np.isfinite(calm[0] + calm[1]).any():
             north, east = calm
         return north, east, "positions"
     return track(_between_samples(trial))
 
 
+def _times(trial: Trial) -> np.ndarray:
+    """When both positions are there."""
+    return np.asarray(trial["t"][np.isfinite(trial["x"] + trial["y"])])
+
+
 def _averaged(t: np.ndarray) -> float:
-    """Half the time over which positions are averaged in a figure, in s: no ship turns in it so far that it is seen."""
-    return max(5 * usual_interval(t), min(_CALM, 0.01 * float(np.ptp(t))))
+    """Half the time over which positions are averaged in a figure, in s: no ship turns in it so far that it is seen. 0 of few."""
+    return 0.0 if t.size < _FEW else max(5 * usual_interval(t), min(_CALM, 0.01 * float(np.ptp(t))))
 
 
 def _fixes(trial: Trial) -> tuple[np.ndarray, np.ndarray] | None:
