@@ -329,7 +329,7 @@ class OnlineMultipleModel:
             raise UsageError("a sample needs its time 't' in s, a finite number.")
         elapsed = 0.0 if self.t is None else float(t) - self.t
         if elapsed < 0:
-            raise UsageError(f"the time of the sample, {t:g} s, lies before the last one, {self.t:g} s.")
+            raise UsageError(f"the time of the sample, {moment(t)} s, lies before the last one, {moment(self.t)} s.")
         if covariance is not None:
             covariance = spread_covariances(self.design, np.asarray(covariance, dtype=float), 1)
         inputs = self._inputs(sample)

@@ -307,7 +307,7 @@ class RecursiveIdentification(DrawnResult):
         """Return the result in lines of text."""
         lines = [
             f"{self.design!r}",
-            f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
+            f"record {self.record}: {self.t.size} samples, {moment(self.t[0])} to {moment(self.t[-1])} s",
         ]
         lines += [f"  {p}" for p in self.parameters.values()]
         mean = "-" if self.nis_mean is None else brief(self.nis_mean, 3)

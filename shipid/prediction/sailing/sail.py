@@ -245,7 +245,7 @@ def _orders(
         at = number(when, "s", "the time of a course")
         if at < (found[-1][0] if found else 0.0):
             raise UsageError(
-                f"the courses are ordered one after the other, and {at:g} s is earlier than the one before."
+                f"the courses are ordered one after the other, and {moment(at)} s is earlier than the one before."
             )
         before = unwrapped(number(wanted, "rad", "a course"), before)
         found.append((at, before))

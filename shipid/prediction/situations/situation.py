@@ -13,7 +13,7 @@ from shipid.declaration.units import pretty, to_si
 from shipid.declaration.vocabulary import FIELDS, compass, display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
-from shipid.foundation.numbers import brief, fixed, last_place
+from shipid.foundation.numbers import brief, fixed, last_place, moment
 from shipid.foundation.result import Result, table
 
 if TYPE_CHECKING:
@@ -220,7 +220,7 @@ class Situation(Result):
     def text(self) -> str:
         """Return the situation in lines of text."""
         lines = [f"  {n:<16s} {self.told_in_words(n)}" for n in self.values]
-        return "\n".join([f"situation at {self.t:g} s", *lines])
+        return "\n".join([f"situation at {moment(self.t)} s", *lines])
 
 
 def situation_of(known: Situation | Mapping[str, str | float]) -> Situation:

@@ -126,7 +126,7 @@ def known_before(
     seen = len(trial) if at is None else _seen_until(trial, at)
     if seen < _LEAST:
         raise UsageError(
-            f"trial {trial.name} has {seen} samples up to {at:g} s, too few for a filter: give a later time."
+            f"trial {trial.name} has {seen} samples up to {moment(at)} s, too few for a filter: give a later time."
             if at is not None
             else f"trial {trial.name} has {seen} samples, too few for a filter."
         )
@@ -235,7 +235,7 @@ def _seen_until(trial: Trial, at: float) -> int:
     t = trial["t"]
     if not t[0] <= at <= t[-1] + 1e-9:
         raise UsageError(
-            f"trial {trial.name} lasts from {moment(t[0])} to {moment(t[-1])} s, and {at:g} s is not in it."
+            f"trial {trial.name} lasts from {moment(t[0])} to {moment(t[-1])} s, and {moment(at)} s is not in it."
         )
     return int(np.searchsorted(t, at + 1e-9, side="right"))
 
