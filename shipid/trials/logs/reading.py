@@ -283,8 +283,6 @@ def _cut(record: LenientRecord, span: Span) -> LenientRecord:
         start, end = ("" if one is None else moment(one) for one in span)
         known = t[np.isfinite(t)]
         runs = f" The record runs from {moment(known.min())} to {moment(known.max())} s." if known.size else ""
-        raise WindowError(
-            f"the window {start}:{end} s holds no sample of {record.where}.{runs} Choose one inside it."
-        )
+        raise WindowError(f"the window {start}:{end} s holds no sample of {record.where}.{runs} Choose one inside it.")
     rows = np.arange(len(record))
     return record.keep((rows >= within[0]) & (rows <= within[-1]))
