@@ -198,7 +198,11 @@ def smooth_track(trial: Trial, moments: np.ndarray, half: float) -> tuple[np.nda
 
 def _at(channel: Channel, moments: np.ndarray, half: float) -> np.ndarray:
     """A coordinate at given moments; what is reckoned from speed and heading is smooth as it is."""
-    values = series.local_values(channel.t, channel.y, max(half, 2.5 * channel.interval))
+    # What lies on the other side of a hole is far away: each stretch is averaged by itself.
+    behind = np.searchsorted(channel.t, [end for _, end in channel.holes])
+    wide = max(half, 2.5 * channel.interval)
+    stretches = zip(np.split(channel.t, behind), np.split(channel.y, behind))
+    values = np.concatenate([series.local_values(t, y, wide) for t, y in stretches])
     found = np.interp(moments, channel.t, values, left=np.nan, right=np.nan)
     begin, end = np.array(channel.holes).reshape(-1, 2).T[:, :, None]
     return np.where(((moments > begin) & (moments < end)).any(axis=0), np.nan, found)

@@ -65,6 +65,8 @@ def local_values(t: np.ndarray, y: np.ndarray, half: float) -> np.ndarray:
     -------
     ndarray, shape (n,)
     """
+    if len(y) < 5:
+        return y
     size = min(2 * int(half / float(np.median(np.diff(t)))) + 1, (len(y) - 1) | 1)
     return y if size < 5 else np.asarray(savgol_filter(y, size, 2))
 

@@ -55,8 +55,13 @@ def test_the_track_of_a_circle_is_the_path_of_its_numbers_and_the_fixes_stand_be
 def test_the_track_of_a_circle_is_broken_where_the_positions_have_a_hole():
     turn = Manoeuvre("turn", (np.radians(35.0), np.radians(400.0)))
     frame = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", turn, sampling="1 s").to_frame()
+    full = frame.copy()
     hole = (frame["t [s]"] > 150) & (frame["t [s]"] < 190)
     frame.loc[hole, ["x [m]", "y [m]"]] = np.nan
     path = next(a for a in _drawn(Trial.from_frame(frame)).lines if a.get_label() == "track")
     lost = np.isnan(path.get_xdata())
     assert lost.any() and not lost[0] and not lost[-1]
+    # Nothing of the other side of the hole is averaged in: the path up to it is that of the whole record.
+    whole = next(a for a in _drawn(Trial.from_frame(full)).lines if a.get_label() == "track")
+    apart = np.hypot(path.get_xdata() - whole.get_xdata(), path.get_ydata() - whole.get_ydata())
+    assert np.nanmax(apart) < 2.0
