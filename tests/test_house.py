@@ -179,3 +179,25 @@ def test_the_name_of_a_command_leads_to_its_function():
     with pytest.raises(AttributeError, match=r"Did you mean shipid.identify\?"):
         shipid.__getattr__("identifi")
     assert "annotations" not in dir(shipid) and "identify" in dir(shipid)
+
+
+#: Files that print numbers for a program to read, or that are typed into a file again; poles, and what only a programmer meets.
+READ_BY_PROGRAMS = {
+    "cli/frame/following.py", "parameters/correlation.py", "prediction/situations/own_ship_filter.py", "generation/linearisation.py",
+    "generation/symbolic_evaluation.py", "declaration/joining/unit_check.py", "autopilot/design/placement.py",
+    "autopilot/design/read_schedule.py", "foundation/result.py", "trials/measuring/results/measures.py",
+}  # fmt: skip
+
+
+def test_no_message_writes_an_ordinary_number_with_an_exponent():
+    """Four digits of 12345 m are 1.234e+04 in an f-string: `shipid.foundation.numbers.brief` and `moment` write it out."""
+    package = ROOT / "shipid"
+    found = [
+        f"{name}:{k}: {line.strip()}"
+        for path in sorted(package.rglob("*.py"))
+        if (name := path.relative_to(package).as_posix()) not in READ_BY_PROGRAMS
+        for k, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        # A factor to be typed, and a place on the earth, have their digits; a number that is only rounded is printed elsewhere.
+        if re.search(r":\.[2-6]g\}", line) and not re.search(r"float\(f|Multiply|interval = |n × |scale = ", line)
+    ]
+    assert found == []

@@ -12,6 +12,7 @@ from scipy.special import chdtri, stdtrit
 
 from shipid.campaign.campaign import Measure
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import brief, number
 from shipid.foundation.result import Result
 from shipid.foundation.statistics import NORMAL_95, plain
 
@@ -215,6 +216,17 @@ class Statistic(Result):
     def unit(self) -> str:
         """Unit of the numbers."""
         return self.measure.unit
+
+    def told(self, factor: float = 1.0) -> tuple[str, str, str]:
+        """Return standard deviation, smallest and largest value as they are printed: whole numbers without decimals.
+
+        Parameters
+        ----------
+        factor : float
+            Of the unit shown.
+        """
+        std, low, high = (None if v is None else v * factor for v in (self.std, self.low, self.high))
+        return number(std, 2), brief(low), brief(high)
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, free of NaN."""

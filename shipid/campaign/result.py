@@ -106,7 +106,7 @@ def summary(found: Statistic) -> str:
         return f"mean {mean} of {found.measure.degrees} degrees of freedom{band}{tail}"
     if found.measure.kind == "event":
         return f"share {mean}{tail}"
-    std, low, high = (number(None if v is None else v * factor, 3) for v in (found.std, found.low, found.high))
+    std, low, high = found.told(factor)
     spread = f", standard deviation {std}{unit}, from {low} to {high}"
     return f"mean {mean}{spread}{tail}"
 

@@ -11,7 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import quantity
+from shipid.foundation.numbers import brief, fixed, quantity
 from shipid.foundation.result import DrawnResult, Result, ResultEntry
 
 if TYPE_CHECKING:
@@ -64,7 +64,11 @@ def loop_width_limit(unit_time: float) -> float:
 
 #: Water so many draughts deep is shallow to the standard (MSC/Circ.1053, 2.2).
 DEEP = 4.0
+#: Why a quantity with a value to both sides is not decided.
+OPEN = "the limit lies inside the 95 % band"
 _VERDICT = {True: "within", False: "BEYOND", None: ""}
+#: Digits behind the point, by the unit of a quantity: a log shows a tenth of a degree, and lengths are told to a hundredth.
+_DECIMALS = {"deg": 1, "L": 2}
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,6 +104,8 @@ class Criterion(Result):
         The limit as the standard writes it.
     starboard, port : CriterionSide
         With the first execute to either side.
+    extrapolated : bool
+        Whether the manoeuvre has more rudder than the trials that the coefficients come from.
     """
 
     key: str
@@ -109,14 +115,45 @@ class Criterion(Result):
     limit_text: str
     starboard: CriterionSide
     port: CriterionSide
+    extrapolated: bool = False
+
+    @property
+    def verdict(self) -> str:
+        """The verdict in words: of an extrapolated value it says so."""
+        if self.limit is None:
+            return "no limit"
+        said = {True: "within", False: "beyond", None: "not decided"}[self.within]
+        return f"{said}, extrapolated" if self.extrapolated and self.within is not None else said
+
+    def cell(self, side: CriterionSide) -> str:
+        """Return the value to a side with its band, without the unit; why there is none where it has none.
+
+        Parameters
+        ----------
+        side : CriterionSide
+            One of the two.
+        """
+        if side.value is None:
+            return side.words.partition(":")[0]
+        band = "" if side.band95 is None else " ({} to {})".format(*(decimals(end, self.unit) for end in side.band95))
+        return f"{decimals(side.value, self.unit)}{band}"
 
     @property
     def within(self) -> bool | None:
-        """Whether both sides are within the limit; None where there is none, or a side was not reached."""
-        values = [self.starboard.value, self.port.value]
-        if self.limit is None or any(v is None for v in values):
+        """Whether both sides are within the limit; None where there is none, a side was not reached, or it lies inside a band."""
+        values = [side.value for side in (self.starboard, self.port) if side.value is not None]
+        if self.limit is None or len(values) < 2:
             return None
-        return all(v is not None and v <= self.limit for v in values)
+        limit, bands = self.limit, [side.band95 for side in (self.starboard, self.port)]
+        if any(value > limit and (band is None or band[0] > limit) for value, band in zip(values, bands)):
+            return False
+        return None if self.open else True
+
+    @property
+    def open(self) -> bool:
+        """Whether the limit lies inside the 95 % band of a side: what is known of the ship does not decide it."""
+        ends = [side.band95 for side in (self.starboard, self.port) if side.band95 is not None]
+        return self.limit is not None and any(low <= self.limit <= high for low, high in ends)
 
 
 @dataclass(frozen=True, repr=False)
@@ -164,6 +201,7 @@ class Criteria(DrawnResult):
                     "limit": row.limit,
                     "limit_text": row.limit_text,
                     "within": row.within,
+                    "extrapolated": row.extrapolated,
                     **{
                         name: _plain(side, row.unit)
                         for name, side in (("starboard", row.starboard), ("port", row.port))
@@ -190,22 +228,24 @@ class Criteria(DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        head = f"{self.model} of {self.ship}, {WORDING}: L {self.length:g} m, V {self.speed:.4g} m/s"
+        head = f"{self.model} of {self.ship}, {WORDING}: L {self.length:g} m, V {brief(self.speed)} m/s"
         lines = [
-            f"{head}, L/V {self.length / self.speed:.1f} s",
+            f"{head}, L/V {brief(self.length / self.speed)} s",
             f"  {'':42s} {'starboard':>22s} {'port':>22s}   limit",
         ]
         for row in self.rows:
-            cells = " ".join(f"{_cell(side):>22s}" for side in (row.starboard, row.port))
+            cells = " ".join(f"{_short(row.cell(side)):>22s}" for side in (row.starboard, row.port))
+            verdict = "" if row.limit is None else row.verdict.replace("beyond", "BEYOND")
+            verdict += f": {OPEN}" if row.within is None and row.open else ""
             lines.append(
-                f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {_VERDICT[row.within]}".rstrip()
+                f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {verdict}".rstrip()
             )
         if self.spiral is not None:
             s = self.spiral
             lines.append(
                 "  straight course: stable, no spiral loop" if s["half_width"]["value"] == 0 and s["stable"]
                 else f"  straight course: {'stable' if s['stable'] else 'unstable'}; spiral loop of "
-                f"{s['half_width']['value']:.3g} deg half width; width {s['loop_width']['value']:.3g} deg, {s['limit_text']}"
+                f"{decimals(s['half_width']['value'], 'deg')} deg half width; width {decimals(s['loop_width']['value'], 'deg')} deg, {s['limit_text']}"
                 + (f", {_VERDICT[s['within']]}" if s["within"] is not None else "")
             )  # fmt: skip
         lines += [f"  not covered: {what}" for what in NOT_COVERED]
@@ -217,7 +257,19 @@ def _plain(side: CriterionSide, unit: str) -> dict[str, Plain]:
     return {"value": side.value, "unit": unit, "interval_95": ends, "words": side.words}
 
 
-def _cell(side: CriterionSide) -> str:
-    if side.value is None:
-        return side.words.split(":")[0].removesuffix(" by this model")[:22] or "not reached"
-    return f"{side.value:.2f}" + (f" ({side.band95[0]:.2f}..{side.band95[1]:.2f})" if side.band95 else "")
+def decimals(value: float, unit: str) -> str:
+    """Return a value of a criterion with the digits it is told in everywhere, an ASCII minus sign.
+
+    Parameters
+    ----------
+    value : float
+        In its unit.
+    unit : str
+        The unit, L or deg.
+    """
+    return fixed(value, _DECIMALS[unit]).replace("−", "-")
+
+
+def _short(cell: str) -> str:
+    """A cell as wide as a column of the terminal."""
+    return cell.removesuffix(" by this model")[:22] or "not reached"

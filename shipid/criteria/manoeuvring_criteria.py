@@ -32,7 +32,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import quantity
+from shipid.foundation.numbers import brief, quantity
 from shipid.identification.fit import Fit
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
 from shipid.parameters.catalogue import model_of, ship_of
@@ -42,7 +42,17 @@ from shipid.parameters.validity import BEYOND, beyond, beyond_in_run
 
 #: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
 _RATE = np.deg2rad(65 / 28)
-_FULL = np.deg2rad(35.0)
+_TEN, _TWENTY, _FULL = np.deg2rad([10.0, 20.0, 35.0]).tolist()
+#: The quantities of the standard, in the order of the table.
+_KEYS = (
+    "advance",
+    "transfer",
+    "tactical_diameter",
+    "initial_turning",
+    "first_overshoot_10",
+    "second_overshoot_10",
+    "first_overshoot_20",
+)
 
 
 def manoeuvring_criteria(
@@ -106,7 +116,8 @@ def manoeuvring_criteria(
     turned = [point.turned for point, _ in sides if point.turned]
     reached = {n: np.concatenate([one[n] for one in turned]) for n in (turned[0] if turned else ())}
     told = beyond_in_run(model, own, velocity, {**reached, "delta": np.array([rudder])})
-    notes += [*told, *_harder(model, own, rudder), *([] if fit is None else _of_fit(fit))]
+    harder = _harder(model, own, rudder)
+    notes += [*told, *_of_harder(harder), *([] if fit is None else _of_fit(fit))]
     if "u" not in model or model["u"].quantity.kind == "given":
         notes.append("The model keeps its speed in a turn: its distances are those of a ship without loss of speed.")
     if limit is None:
@@ -119,7 +130,7 @@ def manoeuvring_criteria(
         length,
         velocity,
         rudder,
-        _rows(sides, length, length / velocity, not shallow),
+        _rows(sides, length, length / velocity, not shallow, [_rudder_of(key, rudder) in harder for key in _KEYS]),
         _spiral(spiral, spirals, length / velocity, not shallow),
         (*notes, about),
     )
@@ -155,7 +166,11 @@ def _sets(
 
 
 def _rows(
-    sides: list[tuple[ManoeuvreNumbers, list[ManoeuvreNumbers]]], length: float, unit_time: float, judged: bool
+    sides: list[tuple[ManoeuvreNumbers, list[ManoeuvreNumbers]]],
+    length: float,
+    unit_time: float,
+    judged: bool,
+    harder: Sequence[bool],
 ) -> tuple[Criterion, ...]:
     angle, deg = display_unit("psi", "rad"), display_factor("psi", "rad")
     table = (
@@ -168,7 +183,7 @@ def _rows(
         ("first_overshoot_20", "20/20 first overshoot", angle, deg, 25.0, "25 deg"),
     )  # fmt: skip
     rows = []
-    for key, meaning, unit, scale, limit, text in table:
+    for (key, meaning, unit, scale, limit, text), extrapolated in zip(table, harder):
         found = []
         for point, drawn in sides:
             value = point.values[key]
@@ -179,10 +194,10 @@ def _rows(
             scaled = None if band is None else (band[0] * scale, band[1] * scale)
             found.append(CriterionSide(None if value is None else value * scale, scaled, words))
         if "by L/V" in text and limit is not None:
-            text = f"{limit:.3g} deg at L/V {unit_time:.3g} s"
+            text = f"{brief(limit)} deg at L/V {brief(unit_time)} s"
         if not judged:
             limit, text = None, text and "in deep water only"
-        rows.append(Criterion(key, meaning, unit, limit, text, found[0], found[1]))
+        rows.append(Criterion(key, meaning, unit, limit, text, found[0], found[1], extrapolated))
     return tuple(rows)
 
 
@@ -226,7 +241,7 @@ def _spiral(
         "loop_width": quantity(point.loop_width * deg, "deg"),
         "loop_height": quantity(None if point.loop_height is None else point.loop_height * deg, "deg/s"),
         "limit": quantity(limit, "deg"),
-        "limit_text": f"limit of {limit:.3g} deg at L/V {unit_time:.3g} s (ascribed to the ABS guide of 2006, not verified)"
+        "limit_text": f"limit of {brief(limit)} deg at L/V {brief(unit_time)} s (ascribed to the ABS guide of 2006, not verified)"
         if judged
         else "judged in deep water only",
         "within": bool(point.loop_width * deg <= limit) if judged else None,
@@ -243,7 +258,7 @@ def _scope(length: float, speed: float, model: Model) -> list[str]:
         notes.append(f"This ship is {length:g} m long: the limits are shown for comparison only.")
     notes.append(
         f"The test speed of the standard is at least 90 % of the speed at 85 % of the engine's output; here it is "
-        f"{speed:.4g} m/s, and the model has no engine to check it."
+        f"{brief(speed)} m/s, and the model has no engine to check it."
     )
     return notes
 
@@ -253,14 +268,23 @@ def _shallow(known: Mapping[str, float], ship: ParameterSet) -> list[str]:
     depth, draught = known.get("depth"), ship.particular("T", "m")
     if depth is None or not draught or depth > DEEP * draught:
         return []
-    words = f"The water is {depth:.3g} m deep, {depth / draught:.3g} draughts, and the standard holds in more than {DEEP:g}: no value is judged."
+    words = f"The water is {brief(depth)} m deep, {brief(depth / draught)} draughts, and the standard holds in more than {DEEP:g}: no value is judged."
     return [Notice(words, "shallow-water", quantity="depth")]
 
 
-def _harder(model: Model, ship: ParameterSet, rudder: float) -> list[str]:
-    """Which of the criteria have more rudder than the trials that the coefficients come from."""
-    angles = sorted({to_si((10.0, "deg"), "rad"), to_si((20.0, "deg"), "rad"), rudder})
-    harder = [a for a in angles if any(n.kind == BEYOND for n in beyond(model, ship, rudder=a))]
+def _rudder_of(key: str, rudder: float) -> float:
+    """The rudder angle of the manoeuvre that a quantity is read from."""
+    return _TWENTY if key.endswith("_20") else _TEN if key.endswith("_10") or key == "initial_turning" else rudder
+
+
+def _harder(model: Model, ship: ParameterSet, rudder: float) -> list[float]:
+    """The rudder angles of the criteria that are beyond those of the trials that the coefficients come from."""
+    angles = sorted({_TEN, _TWENTY, rudder})
+    return [a for a in angles if any(n.kind == BEYOND for n in beyond(model, ship, rudder=a))]
+
+
+def _of_harder(harder: Sequence[float]) -> list[str]:
+    """That the values at these rudder angles are extrapolated, in words."""
     named = " and ".join(f"{to_display(a, 'delta'):g}" for a in harder)
     words = f"The values for {named} deg of rudder are extrapolated."
     return [Notice(words, "extrapolated", quantity="delta")] if harder else []

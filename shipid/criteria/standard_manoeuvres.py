@@ -13,6 +13,7 @@ import numpy as np
 
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
+from shipid.foundation.numbers import brief
 from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import steering_machine_of
@@ -120,7 +121,7 @@ class StandardManoeuvres:
             psi = run["psi"]
             if run.departure is not None:
                 after = (run.departure.time - begin) / self._unit_time
-                lost[kind] = f"{run.departure.reason}, {after:.3g} L/V after the order"
+                lost[kind] = f"{run.departure.reason}, {brief(after)} L/V after the order"
                 psi = np.full_like(psi, np.nan)
             if kind == "turn":
                 turned = {} if kind in lost else {n: run[n] for n in _TURNED if n in run.columns}

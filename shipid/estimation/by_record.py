@@ -12,6 +12,7 @@ from shipid.estimation.levels.record_levels import BatchEstimate, RecordLevels
 from shipid.estimation.records.arrangement import FilterRecord
 from shipid.estimation.records.run import FilterRun
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 
 #: A recursion that ends so many standard deviations off the most probable value was linearised too far from it.
 _NEAR = 0.5
@@ -80,7 +81,7 @@ def filter_by_record(
     again = judge_filter(tuned.started_at(starts).filter(record), levels)
     note = Notice(
         "From the first values the filter does not come to the most probable coefficients of the record, so it starts from "
-        f"these: {', '.join(f'{n} {v:.4g}{unit_text(again.design.base[n].unit)}' for n, v in values.items())}.",
+        f"these: {', '.join(f'{n} {brief(v, 4)}{unit_text(again.design.base[n].unit)}' for n, v in values.items())}.",
         "started-at-most-probable",
     )
     return replace(again, warnings=(*again.warnings, note)), levels

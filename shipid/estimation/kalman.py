@@ -28,6 +28,7 @@ from shipid.estimation.recursion.layout import Form
 from shipid.estimation.redesign import started_at, with_levels
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import moment
 from shipid.foundation.result import Printed
 from shipid.parameters.parameter_set import ParameterSet
 
@@ -378,6 +379,6 @@ def check_finite(design: FilterDesign, arranged: Arrangement, out: np.ndarray) -
     good = np.isfinite(out[:, : design.layout.full["var"].stop]).all(axis=1)
     if not good.all():
         raise FilterDivergedError(
-            f"the filter of model {design.base.name} diverges {arranged.t[np.argmin(good)]:.5g} s into the record. Start "
+            f"the filter of model {design.base.name} diverges {moment(arranged.t[np.argmin(good)])} s into the record. Start "
             "closer to the true state (start, initial), put more noise on the states, or estimate fewer parameters."
         )

@@ -12,6 +12,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown_estimate
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import moment
 from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import plain
 
@@ -88,7 +89,7 @@ class SampleEstimate(NamedQuantities[float], Result):
     def text(self) -> str:
         """Return the estimate in lines of text."""
         shown = (f"  {n:<12s} {shown_estimate(e['value'], e['std'], n, e['unit'])}" for n, e in self.estimates.items())
-        return "\n".join([f"estimate at {self.t:g} s", *shown, *(f"  {line}" for line in self.remarks)])
+        return "\n".join([f"estimate at {moment(self.t)} s", *shown, *(f"  {line}" for line in self.remarks)])
 
 
 class RecordRun(NamedQuantities[np.ndarray]):

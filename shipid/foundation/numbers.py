@@ -76,6 +76,20 @@ def brief(value: float | None, digits: int = 3) -> str:
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power
 
 
+def moment(seconds: float | None) -> str:
+    """Return a moment of a clock in s: all digits before the point, at most two behind it, so that it can be typed as part of a trial.
+
+    Parameters
+    ----------
+    seconds : float or None
+        The moment; a clock may count from long ago.
+    """
+    if seconds is None or not _is_number(seconds):
+        return NO_NUMBER
+    text = f"{round(float(seconds), 2) + 0.0:.2f}"
+    return text.rstrip("0").rstrip(".")
+
+
 def counted(count: int, one: str, several: str | None = None) -> str:
     """Return a number of things with its noun: "1 gap", "3 gaps", "1 row is", "2 rows are".
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import interval, number, uncertain, unit_of_name
+from shipid.foundation.numbers import brief, interval, number, uncertain, unit_of_name
 from shipid.foundation.printable import printable
 
 if TYPE_CHECKING:
@@ -305,12 +305,12 @@ def described(value: Plain) -> str:
         if value.ndim == 0 or (value.ndim == 1 and value.size <= LINES):
             return ", ".join(described(v) for v in np.atleast_1d(value).tolist())
         return f"array of shape {value.shape}"
-    if isinstance(value, bool | None | str):
+    if isinstance(value, int | None | str):
         return str(value)
-    if isinstance(value, float | int):
-        return f"{value:.6g}"
+    if isinstance(value, float):
+        return brief(value, 6)
     if isinstance(value, complex):
-        return f"{value:.4g}" if value.imag else f"{value.real:.4g}"
+        return f"{value:.4g}" if value.imag else brief(value.real, 4)
     if isinstance(value, Result):
         return value.text().partition("\n")[0]
     if isinstance(value, Mapping):

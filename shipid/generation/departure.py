@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
+from shipid.foundation.numbers import moment
 from shipid.foundation.result import ResultEntry
 
 #: The reason where a run has no finite number any more.
@@ -34,7 +35,7 @@ class Departure(ResultEntry):
     guard: str = ""
 
     def __str__(self) -> str:
-        return f"{NOT_SAILED}: {self.reason} from {self.time:.4g} s on"
+        return f"{NOT_SAILED}: {self.reason} from {moment(self.time)} s on"
 
 
 def first_departure(

@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.numbers import brief
 from shipid.generation.linearisation import Linearisation, NoSteadyStateError, find_steady_state, linearise
 from shipid.generation.simulator import initial_state, input_rows
 from shipid.parameters.parameter_set import ParameterSet
@@ -104,7 +105,7 @@ def linear_ship(
     found = condition.get("u", speed)
     if abs(found - speed) > _SAME_SPEED * speed:
         raise NoSteadyStateError(
-            f"model {model.name} goes straight at {found:.4g} m/s with these inputs, and not at {speed:.4g} m/s. Ask for that speed, "
+            f"model {model.name} goes straight at {brief(found, 4)} m/s with these inputs, and not at {brief(speed, 4)} m/s. Ask for that speed, "
             "or give the inputs that hold the other one."
         )
     linear = linearise(model, condition, inputs=inputs, outputs=outputs)

@@ -13,6 +13,7 @@ from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty, split, to_si
 from shipid.declaration.vocabulary import display_unit, given_unit
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result, ResultEntry, table
 from shipid.parameters.correlation import Joint
 
@@ -87,7 +88,7 @@ class Value(ResultEntry):
             raise ParameterSetError(f"{what} depends on the speed: say at which, as in --speed '5 m/s'.")
         if not speeds[0] <= speed <= speeds[-1]:
             raise ParameterSetError(
-                f"{what} is known from {speeds[0]:g} to {speeds[-1]:g} m/s, and {speed:.4g} m/s is outside. Ask for a speed inside, or take "
+                f"{what} is known from {speeds[0]:g} to {speeds[-1]:g} m/s, and {brief(speed, 4)} m/s is outside. Ask for a speed inside, or take "
                 "another ship, or none where the coefficients are to be identified."
             )
         return to_si((float(np.interp(speed, speeds, self.value)), self.unit), wanted, what)
@@ -385,6 +386,6 @@ def _example(model: Model, name: str, values: Mapping[str, float]) -> str:
     """How a value is stated, with its unit: where a search for it begins, where that is known."""
     # With two speeds: a coefficient that is scaled by the length alone comes out the same.
     start, other = (Scale(values.get("L"), speed).start_of(model[name]) for speed in (1.0, 2.0))
-    value = _STATED_BY_USER if start is None or start != other else f"{start:.3g}"
+    value = _STATED_BY_USER if start is None or start != other else f"{brief(start)}"
     unit = display_unit(name, model[name].unit) if value == _STATED_BY_USER else model[name].unit
     return f"--set '{name}={value}{'' if unit == '1' else f' {pretty(unit)}'}'"

@@ -185,9 +185,9 @@ class Plan(DrawnResult):
         for leg in self.legs:
             seed = f"  seed {leg.seed}" if leg.manoeuvre.startswith("telegraph") else ""
             lines.append(
-                f"  at {clock(leg.start):>7s}  {leg.manoeuvre:<18s} {leg.speed:.4g} m/s  for {leg.duration:g} s{seed}"
+                f"  at {clock(leg.start):>7s}  {leg.manoeuvre:<18s} {number(leg.speed, 3)} m/s  takes {clock(leg.duration)}{seed}"
             )
-        beside = " + ".join(f"{leg.manoeuvre} {leg.duration:.0f} s" for leg in self.standard) or "no standard"
+        beside = " + ".join(f"{leg.manoeuvre} {clock(leg.duration)}" for leg in self.standard) or "no standard"
         lines.append(f"  standard deviations, planned beside {beside}:")
         for f in self.parameters.values():
             gain = "" if f.ratio is None else f"   gain {number(f.ratio, 3)}"

@@ -15,7 +15,7 @@ from shipid.declaration.model import Model
 from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted
 from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
@@ -256,7 +256,7 @@ def _fill(
 ) -> None:
     dropped: list[str] = []
     for k, candidate in enumerate(candidates):
-        tell(f"manoeuvre {k + 1} of {len(candidates)}: {candidate.manoeuvre} at {candidate.speed:.3g} m/s")
+        tell(f"manoeuvre {k + 1} of {len(candidates)}: {candidate.manoeuvre} at {brief(candidate.speed)} m/s")
         lengths = problem.lengths(candidate.speed)
         matrices = _over_draws(problem, candidate, lengths)
         if matrices is None:

@@ -240,8 +240,8 @@ def planning_problem(
     if not fitting:
         least = min(problem.shortest(s) for s in speeds)
         raise TimeTooShortError(
-            f"{seconds:.4g} s is too short for any manoeuvre: the shortest for ship {ship.name} takes {np.ceil(least):.0f} s "
-            f"at {max(speeds):.4g} m/s."
+            f"{brief(seconds, 4)} s is too short for any manoeuvre: the shortest for ship {ship.name} takes {np.ceil(least):.0f} s "
+            f"at {brief(max(speeds), 4)} m/s."
         )
     return replace(problem, speeds=fitting)
 

@@ -15,7 +15,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import angle, to_display
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import quantity
+from shipid.foundation.numbers import brief, quantity
 from shipid.foundation.result import Result
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.planning.leg import Leg
@@ -175,9 +175,13 @@ class Surroundings:
     def words(self) -> str:
         """Current and wind in words."""
         told = (
-            [] if self.current is None else [f"a current of {self.current[0]:.3g} m/s to {_bearing(self.current[1])}"]
+            []
+            if self.current is None
+            else [f"a current of {brief(self.current[0])} m/s to {_bearing(self.current[1])}"]
         )
-        told += [] if self.wind is None else [f"a wind of {self.wind[0]:.3g} m/s from {_bearing(self.wind[1] + np.pi)}"]
+        told += (
+            [] if self.wind is None else [f"a wind of {brief(self.wind[0])} m/s from {_bearing(self.wind[1] + np.pi)}"]
+        )
         return f"{' and '.join(told)}, first heading {_bearing(self.heading)}" if told else "calm"
 
 
@@ -219,7 +223,7 @@ def timetable_of(
             wind=around.wind,
         )
         before = "" if k == 1 or legs[k - 2].speed == leg.speed else "new speed, "
-        orders.append(TimetableOrder(leg.start, k, f"{before}steady on a straight course at {leg.speed:.3g} m/s"))
+        orders.append(TimetableOrder(leg.start, k, f"{before}steady on a straight course at {brief(leg.speed)} m/s"))
         orders += _orders(trial, leg, k)
         orders.append(TimetableOrder(leg.start + leg.duration, k, "end; steady the ship on a straight course"))
         if "x" in trial.table and "y" in trial.table:

@@ -228,11 +228,11 @@ class Prediction(DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        known = self.situation.values
+        begin = [("heading", "psi"), ("forward speed", "u"), ("rate of turn", "r")]
+        said = [f"{what} {self.situation.told_in_words(n)}" for what, n in begin if n in self.situation.values]
         lines = [
             f"predicted track of {self.ship} ({self.model}): {self.track.order}",
-            f"  from {self.origin}: heading {compass(known['psi'])} deg, {shown(known['u'], 'u')}, "
-            f"rate of turn {shown(known.get('r', 0.0), 'r', digits=3)}",
+            f"  from {self.origin}: {', '.join(said)}",
         ]
         lines += [f"  {line}" for line in self.surrounding_words]
         if self.wheel_over is not None:

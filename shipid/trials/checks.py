@@ -140,10 +140,10 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
     said_radians = {name for name in columns if "rad" in stated.get(name, "").lower()}
     for name in ("delta", "delta_order"):
         if name in said_radians and (largest := float(np.nanmax(np.abs(columns[name])))) > pi / 2:
-            raise fail(name, f"the rudder goes to {largest:.4g} rad, beyond 90 deg")
+            raise fail(name, f"the rudder goes to {brief(largest, 4)} rad, beyond 90 deg")
     # 1 rad/s is a full turn in 6 s: a 3 m model reaches a fifth of it.
     if "r" in said_radians and (fast := float(np.nanquantile(np.abs(columns["r"]), 0.95, method="lower"))) > 1.0:
-        raise fail("r", f"the ship turns at {fast:.4g} rad/s, {shown(fast, 'r')}")
+        raise fail("r", f"the ship turns at {brief(fast, 4)} rad/s, {shown(fast, 'r')}")
     if "psi" not in columns:
         return
     there = np.isfinite(columns["psi"])
@@ -153,12 +153,13 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
     step = np.diff(psi)
     if "psi" in said_radians:
         if abs(psi[0]) > 8 * pi:
-            raise fail("psi", f"the heading begins at {psi[0]:.4g} rad")
+            raise fail("psi", f"the heading begins at {brief(psi[0], 4)} rad")
         if np.any(np.abs(np.abs(step) - 360) < 5):
             raise fail("psi", "the heading jumps by 360")
         if (rate := float(np.quantile(np.abs(step) / np.diff(t), 0.95, method="lower"))) > 1.0:
             raise fail(
-                "psi", f"the heading runs from {psi.min():.4g} to {psi.max():.4g} rad, up to {brief(rate, 3)} rad/s"
+                "psi",
+                f"the heading runs from {brief(psi.min(), 4)} to {brief(psi.max(), 4)} rad, up to {brief(rate, 3)} rad/s",
             )
     if "r" in columns:
         r = interpolated(columns["t"], columns["r"], t)

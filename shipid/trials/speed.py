@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from shipid.foundation.numbers import brief, moment
 from shipid.trials.errors import NotAheadError
 
 #: A rudder this far from its first position has been put over: more than a helmsman needs to keep a course in calm water.
@@ -65,7 +66,7 @@ def check_ahead(speed: float | None, record: str, model: str) -> None:
     if speed is not None and not speed > 0:
         does = "goes astern" if speed < 0 else "lies still"
         raise NotAheadError(
-            f"trial {record}: the ship {does} before the manoeuvre ({speed:.3g} m/s), and model {model} holds for a ship that "
+            f"trial {record}: the ship {does} before the manoeuvre ({brief(speed)} m/s), and model {model} holds for a ship that "
             "goes ahead. Take a window in which it does, or correct the sign of the speed in the format of the trial."
         )
 
@@ -87,8 +88,8 @@ def check_way(columns: Columns, record: str, model: str) -> None:
     """
     if (first := astern_from(columns)) is not None:
         t = columns["t"][np.isfinite(columns["u"])]
-        since = f"from {first:.4g} s on" if first > t[0] else "before the manoeuvre"
-        before = f" (FILE@{float(t[0]):.4g}:{first:.4g} for the part before)" if first > t[0] else ""
+        since = f"from {moment(first)} s on" if first > t[0] else "before the manoeuvre"
+        before = f" (FILE@{moment(float(t[0]))}:{moment(first)} for the part before)" if first > t[0] else ""
         raise NotAheadError(
             f"trial {record}: the ship goes astern {since}, and model {model} holds for a ship that goes ahead. Take "
             f"a window in which it does{before}, or correct the sign of the speed "

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.foundation.numbers import brief
+from shipid.foundation.numbers import brief, moment
 from shipid.trials.checks import FEWEST_SAMPLES
 from shipid.trials.errors import NoStretchError
 from shipid.trials.filling import GAP, held, interpolated, usual_interval
@@ -205,7 +205,7 @@ def _notes(trial: Trial, found: dict[str, FilledInput], spans: list[np.ndarray],
 
 def _listed(t: np.ndarray, spans: list[np.ndarray]) -> str:
     """Stretches by their times; the first of many."""
-    parts = [f"{t[rows[0]]:.5g} to {t[rows[-1]]:.5g} s" for rows in spans[:6]]
+    parts = [f"{moment(t[rows[0]])} to {moment(t[rows[-1]])} s" for rows in spans[:6]]
     return ", ".join(parts) + (f" and {len(spans) - 6} more" if len(spans) > 6 else "")
 
 

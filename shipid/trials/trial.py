@@ -13,6 +13,7 @@ from shipid.declaration import units as border
 from shipid.declaration.vocabulary import FIELDS, display_unit
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError, nearest
+from shipid.foundation.numbers import brief, moment
 from shipid.foundation.result import DrawnResult
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
@@ -112,7 +113,7 @@ class Trial(DrawnResult):
         t = self["t"]
         lines = [
             f"Trial '{self.name}'" + (f", ship {self.ship}" if self.ship else ""),
-            f"  {len(self)} samples, {t[0]:g} to {t[-1]:g} s, every {self.sampling:.4g} s",
+            f"  {len(self)} samples, {moment(t[0])} to {moment(t[-1])} s, every {brief(self.sampling, 4)} s",
         ]
         for column in self.table.columns[1:]:
             shown = display_unit(column, self.unit(column))
@@ -120,7 +121,9 @@ class Trial(DrawnResult):
             there = values[np.isfinite(values)]
             missing = f", {len(values) - len(there)} missing" if len(there) < len(values) else ""
             extent = (
-                f"{there.min():11.4g} to {there.max():.4g} {border.pretty(shown)}" if len(there) else f"{'none':>11s}"
+                f"{there.min():11.4g} to {brief(there.max(), 4)} {border.pretty(shown)}"
+                if len(there)
+                else f"{'none':>11s}"
             )
             lines.append(f"  {column:<12s} {extent}{missing}")
         lines += [f"  note: {note}" for note in self.source.notes]
@@ -182,15 +185,19 @@ class Trial(DrawnResult):
         a = float(t[0]) if start is None else float(start)
         b = float(t[-1]) if end is None else float(end)
         slack = 0.5 * self.sampling if len(self) > 1 else 0.0
-        span = f"The record '{self.name}' runs from {t[0]:g} to {t[-1]:g} s."
+        span = f"The record '{self.name}' runs from {moment(t[0])} to {moment(t[-1])} s."
         if not a < b:
-            raise WindowError(f"the window {a:g}:{b:g} is empty or runs backwards. {span} Write start:end in seconds.")
+            raise WindowError(
+                f"the window {moment(a)}:{moment(b)} is empty or runs backwards. {span} Write start:end in seconds."
+            )
         if a < t[0] - slack or b > t[-1] + slack:
-            raise WindowError(f"the window {a:g}:{b:g} s reaches outside the record. {span} Choose a window inside it.")
+            raise WindowError(
+                f"the window {moment(a)}:{moment(b)} s reaches outside the record. {span} Choose a window inside it."
+            )
         tiny = 1e-9 * max(1.0, abs(a), abs(b))
         first, last = np.searchsorted(t, [a - tiny, b + tiny])
         if last - first < 2:
-            raise WindowError(f"the window {a:g}:{b:g} s holds fewer than two samples. {span} Widen it.")
+            raise WindowError(f"the window {moment(a)}:{moment(b)} s holds fewer than two samples. {span} Widen it.")
         stem = self.name.rpartition("@")[0] if _is_window(self.name) else self.name
         table = self.table.iloc[first:last].reset_index(drop=True)
         return replace(self, name=f"{stem}@{a:.10g}:{b:.10g}", table=table)

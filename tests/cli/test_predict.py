@@ -27,7 +27,7 @@ def test_a_track_from_a_state(call):
         "predict", "de-keizer", "--ship", "soesterberg", "--from", "psi=350 deg,u=9 m/s", "--heading", "60 deg"
     )
     assert answer.code == 0, answer
-    assert "heading 350.0 deg, 9 m/s" in answer.out and "on the new heading" in answer.out
+    assert "heading 350.0 deg, forward speed 9 m/s" in answer.out and "on the new heading" in answer.out
     assert "the band is not known" in answer.out
 
 
@@ -110,6 +110,11 @@ def test_its_files(call, voyage, tmp_path):
         assert word in page
     said = next(line.strip() for line in answer.out.splitlines() if line.strip().startswith("current "))
     assert said[1:] in page
+    # What it begins from has the same digits on the terminal.
+    start = next(line for line in answer.out.splitlines() if "forward speed" in line)
+    for what in ("Heading", "Forward speed", "Rate of turn"):
+        value, std = re.search(rf"{what}</th>.*?>([^<]*)</td>.*?>([^<]*)</td>", page).groups()
+        assert f"{what.lower()} {value.replace(chr(0x2212), '-')} ± {std} " in start
     assert "nan" not in page.lower().replace("dominant", "")
     # A value has the digits that its standard deviation allows.
     cell = r'<td class="n" data-label="(?:Value|Standard deviation)">([^<]*)</td>'

@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.criteria.criteria import first_overshoot_limit, loop_width_limit, second_overshoot_limit
+from shipid.criteria.criteria import (
+    Criterion,
+    CriterionSide,
+    first_overshoot_limit,
+    loop_width_limit,
+    second_overshoot_limit,
+)
 from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 from shipid.criteria.spiral import spiral_of
 from shipid.declaration.guard import NOT_SAILED
@@ -249,3 +255,39 @@ def test_what_is_missing_is_said():
         "de-keizer", ship=replace(own, sections={**own.sections, PARTICULARS: kept}), draws=0
     ).notes
     assert any("35 deg is assumed" in n for n in notes) and any("65 deg in 28 s is assumed" in n for n in notes)
+
+
+def _row(starboard, port, limit=25.0, extrapolated=False):
+    return Criterion(
+        "first_overshoot_20", "20/20 first overshoot", "deg", limit, "25 deg", starboard, port, extrapolated
+    )
+
+
+@pytest.mark.parametrize(
+    ("starboard", "port", "within", "verdict"),
+    [
+        (CriterionSide(16.0, (15.0, 17.0)), CriterionSide(16.0, (15.0, 17.0)), True, "within"),
+        (CriterionSide(24.0, (22.0, 26.0)), CriterionSide(16.0, (15.0, 17.0)), None, "not decided"),
+        (CriterionSide(26.0, (24.0, 28.0)), CriterionSide(16.0, (15.0, 17.0)), None, "not decided"),
+        (CriterionSide(29.0, (27.0, 31.0)), CriterionSide(24.0, (22.0, 26.0)), False, "beyond"),
+        (CriterionSide(26.0, None), CriterionSide(16.0, None), False, "beyond"),
+        (CriterionSide(None, None, "not reached"), CriterionSide(16.0, None), None, "not decided"),
+    ],
+)
+def test_a_limit_inside_the_band_is_not_decided(starboard, port, within, verdict):
+    """As for a measured value: 24 deg known to 22 to 26 deg is neither within 25 deg nor beyond."""
+    row = _row(starboard, port)
+    assert (row.within, row.verdict) == (within, verdict)
+
+
+def test_an_extrapolated_verdict_says_so_everywhere():
+    found = manoeuvring_criteria("de-keizer", "soesterberg", draws=0)
+    told = {row.key: row.verdict for row in found.rows}
+    assert (
+        told["advance"] == told["first_overshoot_20"] == "within, extrapolated"
+        and told["first_overshoot_10"] == "within"
+    )
+    assert found.to_dict()["criteria"]["advance"]["extrapolated"] is True
+    assert "25 deg                   within, extrapolated" in found.text()
+    page = render(found)
+    assert "Within the limit by extrapolation: advance; tactical diameter; 20/20 first overshoot." in page

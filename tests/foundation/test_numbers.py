@@ -12,6 +12,7 @@ from shipid.foundation.numbers import (
     estimate,
     fixed,
     interval,
+    moment,
     number,
     percent,
     spread,
@@ -134,3 +135,15 @@ def test_a_value_has_the_digits_of_its_interval(value, ends, factor, shown):
 )  # fmt: skip
 def test_a_number_in_a_sentence_is_written_out(value, digits, text):
     assert brief(value, digits) == text
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [(0.0, "0"), (-0.001, "0"), (12.5, "12.5"), (123.456, "123.46"), (259223.75, "259223.75"), (1.7e9, "1700000000")],
+)
+def test_a_moment_keeps_every_second_and_can_be_typed(seconds, said):
+    assert moment(seconds) == said
+
+
+def test_a_moment_that_is_none_is_said():
+    assert moment(None) == moment(float("nan")) == NO_NUMBER

@@ -20,7 +20,7 @@ from shipid.foundation.errors import UsageError
 from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
 from shipid.report.figures.comparisons import heading_drawing
-from shipid.report.page import Page, Section
+from shipid.report.pdf import write_pdf
 from shipid.report.write_report import render, write_report
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import not_read
@@ -202,17 +202,6 @@ def test_a_turn_has_its_rudder_below_its_heading(fit):
     assert [len(heading_drawing({"a": c}).figure().axes) for c in (kept, turned)] == [1, 2]
 
 
-@pytest.mark.parametrize(("rows", "classes"), [(3, "stack"), (40, "stack long")])
-def test_only_a_table_longer_than_a_sheet_of_paper_is_split(rows, classes):
-    """Kept whole, it would leave the sheet before it empty."""
-    view = {
-        "columns": [("Mean", "mean", "n"), ("Unit", "unit")],
-        "rows": [{"what": "a", "mean": "1", "unit": "m"}] * rows,
-    }
-    page = Page("A page", [], [Section("Measures", "campaign/measures.html", view)]).html()
-    assert f'<table class="{classes}">' in page and ".scroll:has(> .long) { break-inside: auto; }" in page
-
-
 def test_a_report_asks_for_a_kind_it_knows(results):
     with pytest.raises(UsageError, match="no report for a list"):
         render([])
@@ -250,6 +239,28 @@ def test_a_report_is_printed(fit, criteria, tmp_path):
     whole = " ".join(p.extract_text() for p in printed.pages)
     assert "Ljung and Box" in whole, "what is folded on a screen is open on paper"
     assert [p.name for p in tmp_path.iterdir()] == ["fit.pdf"]
+
+
+def test_a_long_table_breaks_between_its_rows_and_a_short_one_stays_whole(tmp_path):
+    if shutil.which("chromium") is None:
+        pytest.skip("no Chromium on this machine")
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
+    template = environment.from_string(
+        '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+        '{% from "macros.html" import table %}<div style="height: 200mm"></div><p>Above.</p>'
+        '{{ table([("Finding", "what"), ("Meaning", "words", "wide"), ("Repair", "words", "wide")], rows) }}'
+    )
+    printed = {}
+    for count in (4, 9):
+        rows = [{"what": f"row{k}.", "words": " ".join(["Running text of a finding."] * 7)} for k in range(count)]
+        (tmp_path / "page.html").write_text(template.render(rows=rows), encoding="utf-8")
+        write_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
+        printed[count] = [p.extract_text() for p in pypdf.PdfReader(tmp_path / "page.pdf").pages]
+    assert "row0." not in printed[4][0] and "row3." in printed[4][1]
+    first, second = printed[9]
+    assert "row1." in first and "row8." in second
+    for page in (first, second):
+        assert "FindingMeaningRepair" in page.replace("\n", "").replace(" ", ""), "the head stands on both pages"
 
 
 def test_a_card_that_only_a_number_names_says_what_the_number_counts():

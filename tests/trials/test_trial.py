@@ -151,3 +151,14 @@ class TestWriting:
             write_trial(trial, tmp_path / "no" / "out.csv")
         with pytest.raises(MissingFileError, match="is a folder"):
             write_trial(trial, tmp_path)
+
+
+def test_a_clock_that_counts_from_long_ago_is_told_to_the_second():
+    """2.592e+06 s was no place in a log."""
+    t = 2_592_000.25 + np.arange(60.0)
+    trial = Trial.from_frame(
+        pd.DataFrame({"t [s]": t, "psi [deg]": np.linspace(0, 5, 60), "delta [deg]": np.zeros(60)})
+    )
+    assert "2592000.25 to 2592059.25 s" in str(trial)
+    with pytest.raises(e.WindowError, match=r"window 5:10 s reaches outside.*2592000\.25 to 2592059\.25 s"):
+        trial.window(5.0, 10.0)

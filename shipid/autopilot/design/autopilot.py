@@ -18,7 +18,7 @@ from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import fixed, number, quantity
+from shipid.foundation.numbers import brief, fixed, number, quantity
 from shipid.foundation.result import DrawnResult
 from shipid.parameters.parameter_set import ParameterSet
 
@@ -228,4 +228,4 @@ class Autopilot(DrawnResult):
 
 def _with_unit(value: float, name: str) -> str:
     unit = "" if REQUEST_UNITS[name] == "1" else f" {REQUEST_UNITS[name]}"
-    return f"{name} {value:.4g}{unit}"
+    return f"{name} {brief(value, 4)}{unit}"

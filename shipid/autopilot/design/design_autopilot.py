@@ -21,7 +21,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.errors import ParameterSetError, UnknownNameError
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, percent
 from shipid.parameters.catalogue import known_component, model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.helm import DirectRudder
@@ -141,7 +141,7 @@ def design_autopilot(
     dead_time = dead_time_of(whole, ships[0], service)
     if omega_n is None and request.get("omega_n", 0.0) * dead_time > 0.999 * DEAD_ANGLE:
         warnings.append(
-            f"dead time: the rudder acts {dead_time:.3g} s late, by which the natural frequency was chosen, {request['omega_n']:.3g} rad/s; a "
+            f"dead time: the rudder acts {brief(dead_time)} s late, by which the natural frequency was chosen, {brief(request['omega_n'])} rad/s; a "
             "gear without it bears a faster one."
         )
     if mode == "rate":
@@ -186,7 +186,7 @@ def _refined(problem: GainDesign, grid: np.ndarray) -> Schedule:
             return schedule
         if len(grid) + len(coarse) > MOST_SPEEDS:
             raise DesignRequestError(
-                f"between {coarse[0]:.3g} m/s and its neighbours no schedule of {MOST_SPEEDS} speeds keeps the poles within "
+                f"between {brief(coarse[0])} m/s and its neighbours no schedule of {MOST_SPEEDS} speeds keeps the poles within "
                 f"{percent(TOLERANCE)} of those requested. Begin at a higher speed, or request poles that this ship can have there."
             )
         grid = np.sort(np.concatenate([grid, coarse]))

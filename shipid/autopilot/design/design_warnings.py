@@ -11,6 +11,7 @@ from shipid.autopilot.design.schedule import Schedule
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.generation.system import generate
 from shipid.parameters.held_inputs import held_inputs
 from shipid.parameters.parameter_set import ParameterSet
@@ -52,7 +53,7 @@ def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.nd
         if span and outside:
             section = range_of(ship, model)
             words = (
-                f"The schedule runs from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s: the [{section[0] if section else model.name}] "
+                f"The schedule runs from {brief(speeds[0])} to {brief(speeds[-1])} m/s: the [{section[0] if section else model.name}] "
                 f"coefficients of ship {ship.name} were found at {speed_words(span)}. Beyond that the model extrapolates, and no band "
                 "contains that error."
             )
@@ -60,7 +61,7 @@ def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.nd
         if any(k.scaled for k in known) and (outside or not span):
             belongs_to = next(k.reference for k in known if k.scaled)
             found.append(
-                f"scaled by speed: the coefficients of {model.name} hold at {belongs_to:.3g} m/s; at other "
+                f"scaled by speed: the coefficients of {model.name} hold at {brief(belongs_to)} m/s; at other "
                 "speeds they are scaled by L and L/U, which a ship follows only roughly."
             )
     return found
@@ -74,7 +75,7 @@ def _held(model: Model, speeds: np.ndarray) -> list[str]:
     held = {n: c for n, c in held_inputs(model).items() if "u" in system.states_driven_by([c])}
     return [
         f"'{name}' is held at {shown(model[constant].number('default') or 0.0, name, model[constant].unit)} at every speed of the schedule, "
-        f"from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s: a ship that sails at another speed by another '{name}' is not judged. Tune each "
+        f"from {brief(speeds[0])} to {brief(speeds[-1])} m/s: a ship that sails at another speed by another '{name}' is not judged. Tune each "
         "speed with its own, as in --speeds with one speed."
         for name, constant in held.items()
     ]
@@ -91,7 +92,7 @@ def _about_ship(problem: GainDesign, schedule: Schedule) -> list[str]:
             worst = int(np.argmax(growing))
             found.append(
                 f"course-unstable: without the autopilot ship {ship.name} leaves its course with a time constant of "
-                f"{1 / growing[worst]:.3g} s at {schedule.speeds[worst]:.3g} m/s; its loop has a lower gain margin too."
+                f"{brief(1 / growing[worst])} s at {brief(schedule.speeds[worst])} m/s; its loop has a lower gain margin too."
             )
         if (schedule.gains["Kd"][condition] * schedule.gains["Kp"][condition] < 0).any():
             found.append(
@@ -112,7 +113,7 @@ def _too_fast(problem: GainDesign, schedule: Schedule, limit: float, limits: Map
     if needed <= limits["delta_rate"]:
         return []
     return [
-        f"rudder rate: at {speed:.3g} m/s the request is {omega:.3g} rad/s, at which a rudder swinging to its limit of "
-        f"{angle(limit, 3)} needs {np.rad2deg(needed):.3g} deg/s, and its limit is {np.rad2deg(limits['delta_rate']):.3g} "
-        f"deg/s. At most {limits['delta_rate'] / limit * problem.service_speed / speed:.3g} rad/s at {problem.service_speed:.3g} m/s can be met."
+        f"rudder rate: at {brief(speed)} m/s the request is {brief(omega)} rad/s, at which a rudder swinging to its limit of "
+        f"{angle(limit, 3)} needs {brief(np.rad2deg(needed))} deg/s, and its limit is {brief(np.rad2deg(limits['delta_rate']))} "
+        f"deg/s. At most {brief(limits['delta_rate'] / limit * problem.service_speed / speed)} rad/s at {brief(problem.service_speed)} m/s can be met."
     ]

@@ -21,6 +21,7 @@ from shipid.autopilot.design.plant import Plant, ship_plants
 from shipid.autopilot.errors import DesignRequestError
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
+from shipid.foundation.numbers import brief
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.ship_coefficients import coefficients_at
 
@@ -107,7 +108,7 @@ class GainDesign:
             pace = speed / (ship.particular("L", "m") or self.service_speed)
             return lqr_gains(plant, self.request["rudder_weight"], pace)
         found = place(plant, self.polynomial(speed))
-        check_stable(closed_poles(plant, found), f"the loop of {ship.name} at {speed:.4g} m/s")
+        check_stable(closed_poles(plant, found), f"the loop of {ship.name} at {brief(speed, 4)} m/s")
         return found
 
 

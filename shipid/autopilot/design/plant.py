@@ -16,6 +16,7 @@ from shipid.autopilot.errors import NoStraightCourseError, NotSteerableError
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction
+from shipid.foundation.numbers import brief
 from shipid.generation.straight_course import straight_course
 from shipid.generation.system import generate
 from shipid.parameters.parameter_set import ParameterSet
@@ -185,7 +186,7 @@ def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "del
     _check_straight(model, system.states, rates, speeds, kept)
     if "psi" not in names:
         raise NotSteerableError(
-            f"the rudder of model {model.name} does not move its heading at {float(np.min(speeds)):.3g} m/s: the "
+            f"the rudder of model {model.name} does not move its heading at {brief(float(np.min(speeds)))} m/s: the "
             "linearisation is uncontrollable. Check the coefficient of the rudder."
         )
     A, B, C = A[:, kept][:, :, kept], B[:, kept], C[:, :, kept]
@@ -246,8 +247,8 @@ def _check_straight(
         if kept[i] and np.abs(rates[i]).max() > _STRAIGHT * (model[name].number("nominal") or 1.0):
             worst = int(np.abs(rates[i]).argmax())
             raise NoStraightCourseError(
-                f"model {model.name} does not go straight with its rudder amidships: at {np.atleast_1d(speeds)[worst]:.3g} "
-                f"m/s its '{name}' changes by {rates[i][worst]:.3g} in a second. Take the bias out of the coefficients."
+                f"model {model.name} does not go straight with its rudder amidships: at {brief(np.atleast_1d(speeds)[worst])} "
+                f"m/s its '{name}' changes by {brief(rates[i][worst])} in a second. Take the bias out of the coefficients."
             )
 
 

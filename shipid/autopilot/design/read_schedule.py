@@ -21,6 +21,7 @@ from shipid.declaration.tables import Table, read_table
 from shipid.declaration.units import factor
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import ParameterSetError, ShipidError, UnitError
+from shipid.foundation.numbers import brief
 from shipid.parameters.catalogue import find_model, known_component, model_of, names_a_file
 from shipid.parameters.parameter_file import parse_parameter_set
 from shipid.parameters.parameter_set import ParameterSet
@@ -114,7 +115,7 @@ def check_same_ship(path: str | Path, pilot: Autopilot, ship: ParameterSet) -> N
     length, designed = ship.particular("L", "m"), pilot.ship.particular("L", "m")
     if length and designed and abs(length - designed) > _SAME * designed:
         raise ScheduleError(
-            f"{path} was designed for ship {pilot.ship.name} of {designed:.5g} m, and {ship.name} has {length:.5g} m. Design one for her: "
+            f"{path} was designed for ship {pilot.ship.name} of {brief(designed, 5)} m, and {ship.name} has {brief(length, 5)} m. Design one for her: "
             f"shipid tune {pilot.model.name} --ship {ship.name}."
         )
 
@@ -168,7 +169,7 @@ def _stable_poles(
         for speed, found in zip(schedule.speeds, at_speeds):
             if found.real.max() >= 0:
                 raise ScheduleError(
-                    f"{path}: at {speed:.4g} m/s the loop of ship {ship.name} with these gains is unstable (a pole at "
+                    f"{path}: at {brief(speed, 4)} m/s the loop of ship {ship.name} with these gains is unstable (a pole at "
                     f"{found[0].real:.3g}{found[0].imag:+.3g}i rad/s). Correct the gains at that speed."
                 )
     return poles

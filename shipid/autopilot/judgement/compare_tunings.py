@@ -10,7 +10,7 @@ from shipid.autopilot.judgement.judgement import Judgement
 from shipid.autopilot.judgement.margins import Margins
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import notice_of, plain_notices
-from shipid.foundation.numbers import number
+from shipid.foundation.numbers import brief, number
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 
@@ -138,7 +138,7 @@ def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str])
         )
     if one.service_speed != two.service_speed:
         warnings.append(
-            f"two speeds: the ships' own speeds are {one.service_speed:.3g} and {two.service_speed:.3g} m/s."
+            f"two speeds: the ships' own speeds are {brief(one.service_speed)} and {brief(two.service_speed)} m/s."
         )
     for name, judged in zip(names, (first, second)):
         warnings += [notice_of(w).about(name) for w in judged.warnings]

@@ -26,6 +26,7 @@ from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.declaration.guard import NOT_SAILED
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.parameters.draws import draw_coefficients
 
 #: Course changes at the slowest, the ship's own and the fastest speed.
@@ -110,7 +111,7 @@ def judge(
     if lost:
         warnings.append(
             Notice(
-                f"lost: course changes of {', '.join(f'{c:.3g}' for c in lost)} deg with this rudder limit are {NOT_SAILED} "
+                f"lost: course changes of {', '.join(brief(c) for c in lost)} deg with this rudder limit are {NOT_SAILED} "
                 f"({pilot.model.name}): it runs away, or loses its way.",
                 "not-sailed",
                 serious=True,
@@ -205,19 +206,19 @@ def _about(pilot: Autopilot, robust: Robustness, condition: int, limits: Mapping
             f"unstable draws: with {robust.unstable} of {robust.samples} draws of ship {ship} the loop is unstable. The trials do "
             "not determine this ship well enough for this design."
             if robust.samples
-            else f"unstable: the loop of ship {ship} is unstable at {robust.speed_worst:.3g} m/s."
+            else f"unstable: the loop of ship {ship} is unstable at {brief(robust.speed_worst)} m/s."
         )
         found.append(Notice(words, "unstable", serious=True))
     if robust.disk_worst < limits["disk margin"]:
         over = "over the uncertainty of the ship" if robust.samples else "of the design"
         found.append(
-            f"disk margin: the least {over} is {robust.disk_worst:.2g} at {robust.speed_worst:.3g} m/s, below "
+            f"disk margin: the least {over} is {brief(robust.disk_worst)} at {brief(robust.speed_worst)} m/s, below "
             f"{limits['disk margin']:g}."
         )
     filtered = robust.variants["sea filter on"]["disk"]
     if filtered is not None and filtered < limits["disk margin"]:
         found.append(
-            f"sea filter: while it is on, the least disk margin is {filtered:.2g}, below {limits['disk margin']:g}; a lower natural "
+            f"sea filter: while it is on, the least disk margin is {brief(filtered)}, below {limits['disk margin']:g}; a lower natural "
             "frequency raises it."
         )
     return found

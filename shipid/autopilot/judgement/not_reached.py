@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
+from shipid.foundation.numbers import brief
 
 
 def not_reached(
@@ -35,7 +36,7 @@ def not_reached(
         *_of_weather([s for s in filtered if s.change_deg], "The new course is not reached"),
     ]
     for one in robust:
-        change = f"A course change of {one.sample_change_deg:.3g} deg"
+        change = f"A course change of {brief(one.sample_change_deg)} deg"
         unsettled = [n for n, v in one.variants.items() if v["settling_s"] is None]
         found += [f"{change} does not settle with {_listed(unsettled)}."] if unsettled else []
         if one.samples and one.settling_s[0] is not None and one.settling_s[-1] is None:
@@ -55,9 +56,9 @@ def _of_steps(steps: Sequence[CourseChange]) -> list[str]:
     groups: dict[tuple[str, float], list[str]] = {}
     for s in steps:
         if s.settling_s is None and not s.lost:
-            groups.setdefault((s.weather, s.speed), []).append(f"{abs(s.change_deg):.3g}")
+            groups.setdefault((s.weather, s.speed), []).append(brief(abs(s.change_deg)))
     return [
-        f"At {speed:.3g} m/s{words.removeprefix('calm')} a course change of {_listed(changes)} deg does not settle within the run."
+        f"At {brief(speed)} m/s{words.removeprefix('calm')} a course change of {_listed(changes)} deg does not settle within the run."
         for (words, speed), changes in groups.items()
     ]
 

@@ -11,7 +11,7 @@ import numpy as np
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, quantity
+from shipid.foundation.numbers import brief, columns_of, quantity
 from shipid.foundation.result import Result
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ class OnBoardRuns(Result):
             "reversals a minute",
         )
         lines = [
-            f"on board, a sample every {self.interval:.3g} s: filter {self.kalman} ({sensors}), {adapted[self.adaptation]}",
+            f"on board, a sample every {brief(self.interval)} s: filter {self.kalman} ({sensors}), {adapted[self.adaptation]}",
             " " * 41 + "".join(h.rjust(len(h) + 2) for h in head),
         ]
         for run in self.runs:

@@ -40,6 +40,7 @@ from shipid.declaration.vocabulary import shown, to_display
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import brief
 from shipid.foundation.statistics import plain
 from shipid.generation.departure import first_departure
 from shipid.parameters.catalogue import model_of
@@ -337,7 +338,7 @@ def _warnings(runs: Sequence[OnBoardRun]) -> list[str]:
             continue
         if filtered.error_deg > shown_run.error_deg:
             found.append(
-                f"on board: the heading of the filter is off by {filtered.error_deg:.2g} deg rms in {filtered.weather}, and that "
-                f"of the instruments by {shown_run.error_deg:.2g} deg. Give a filter tuned for this ship."
+                f"on board: the heading of the filter is off by {brief(filtered.error_deg, 2)} deg rms in {filtered.weather}, and that "
+                f"of the instruments by {brief(shown_run.error_deg, 2)} deg. Give a filter tuned for this ship."
             )
     return found

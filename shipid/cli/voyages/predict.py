@@ -21,6 +21,7 @@ from shipid.cli.frame.options import (
 )
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.numbers import moment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -213,7 +214,7 @@ def _situation(
             raise UsageError("a trial shows its waves itself: leave --waves out.")
         tell("filtering")
         known, told = situation_with_past(pilot, trial, at, flows)
-        return known, f"trial {trial.name} at {known.t:.5g} s", told
+        return known, f"trial {trial.name} at {moment(known.t)} s", told
     # On a route without a state the ship begins at its first waypoint, on the heading that keeps the first leg.
     values = {"u": pilot.own_speed, "r": 0.0, **flows} | ({} if on_route else {"psi": 0.0})
     origin = "the first waypoint" if on_route else "a straight course"

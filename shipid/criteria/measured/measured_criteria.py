@@ -9,6 +9,7 @@ from typing import Literal
 from shipid.criteria.criteria import first_overshoot_limit, second_overshoot_limit
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
@@ -108,7 +109,7 @@ def _turn(
     full = _FULL if largest is None else min(_FULL, _FULL / _ASKED * float(to_display(largest, "delta")))
     other = ""
     if rudder is not None and rudder < full:
-        other = f"the standard turns with {_ASKED:g} deg of rudder or the largest permitted; this circle has {rudder:.3g} deg"
+        other = f"the standard turns with {_ASKED:g} deg of rudder or the largest permitted; this circle has {brief(rudder)} deg"
         if largest is None:
             other += ". If that is the largest, state largest_rudder in [trial], or name the ship"
     for name, limit in (("advance", 4.5), ("transfer", None), ("tactical_diameter", 5.0)):
@@ -161,7 +162,7 @@ def _zigzag(number: int, zigzag: ZigZag, length: float | None) -> Iterator[Measu
             if rule is None
             else "by L/V: not known"
             if time is None
-            else f"{limit:.3g} deg at L/V {time:.3g} s"
+            else f"{brief(limit)} deg at L/V {brief(time)} s"
         )
         why = zigzag.reasons.get(f"overshoots[{k + 1}]", "not reached")
         yield _criterion(

@@ -19,6 +19,7 @@ from shipid.encounter.plots.sentences import holds_plots, plots_of_sentences
 from shipid.encounter.plots.ship_path import CARRIED, ShipPath, path_doubts, path_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, notice_of
+from shipid.foundation.numbers import moment
 from shipid.trials.errors import EmptyFileError, ForeignFileError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.opening import is_nmea
@@ -132,7 +133,7 @@ def read_detections(
     ship = None if ship is None else _shifted(ship, begin)
     if found and not any(p.covers(np.array([s.t for s in plots])).any() for p in found):
         raise EncounterRequestError(
-            f"the true tracks in '{truth}' run from {min(p.t[0] for p in found):.6g} to {max(p.t[-1] for p in found):.6g} s after the first "
+            f"the true tracks in '{truth}' run from {moment(min(p.t[0] for p in found))} to {moment(max(p.t[-1] for p in found))} s after the first "
             "plot, and no plot lies in them. Give them by the clock of the plots."
         )
     plots = replace(plots, notes=(*(notice_of(n) for n in raw.notes), *plots.notes))
@@ -209,7 +210,7 @@ def _origin(raw: RawPlots) -> tuple[float, float] | None:
 def _beside(raw: RawPlots, own: ShipPath, begin: float) -> RawPlots:
     """The plots that own ship's path says something of, and what it leaves open: where she was not is not where her path ends."""
     known = own.covers(raw.t - CARRIED) | own.covers(raw.t + CARRIED) | own.covers(raw.t)
-    runs = f"the path of own ship runs from {own.t[0] - begin:.6g} to {own.t[-1] - begin:.6g} s after the first plot"
+    runs = f"the path of own ship runs from {moment(own.t[0] - begin)} to {moment(own.t[-1] - begin)} s after the first plot"
     if np.isfinite(raw.t).any() and not known.any():
         raise EncounterRequestError(f"{runs}, and no plot lies in it. Give own ship by the clock of the plots.")
     counted = "range" in raw.columns

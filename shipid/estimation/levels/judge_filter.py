@@ -14,7 +14,7 @@ from shipid.estimation.records.run import FilterRun
 from shipid.estimation.recursion.gate import REJECTED, TAKEN
 from shipid.estimation.standing import DETERMINED
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import percent, probability, uncertain_text
+from shipid.foundation.numbers import brief, percent, probability, uncertain_text
 from shipid.foundation.statistics import WHITE, interval_95
 
 #: So many samples of a sensor say something.
@@ -177,7 +177,7 @@ def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator
         if simulated is not None and deviation is not None and _differ(estimate.value, judged):
             other.append(f"{own} (by {levels.method} {uncertain_text(simulated, deviation)}{unit})")
         elif abs(estimate.value - judged.value) > _UNFINISHED * judged.widening * float(run.std_of(name)[-1]) > 0:
-            missed.append(f"{own} (most probable {judged.value:.4g}{unit})")
+            missed.append(f"{own} (most probable {brief(judged.value, 4)}{unit})")
     if other:
         yield Notice(
             f"The model is not exact, and what it leaves out counts here as noise that drives the ship: {', '.join(other)}. For "

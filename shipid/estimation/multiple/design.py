@@ -18,6 +18,7 @@ from shipid.estimation.multiple.cycle.layout import CycleLayout
 from shipid.estimation.multiple.cycle.moves import DisplacedMoves, GridMoves, Moves
 from shipid.estimation.multiple.structures import AdaptiveGrid, Displaced, Structure
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Printed
 from shipid.generation.loop import Loop, make_loop
 
@@ -164,7 +165,7 @@ def _displaced(given: Displaced, modes: Mapping[str, FilterDesign], unit: str) -
             own = modes[name].instruments.inputs[given.parameter]
             if not low[j] - 1e-12 <= own <= high[j] + 1e-12:
                 raise ModeError(
-                    f"mode '{name}' starts with '{given.parameter}' at {own:.6g} {unit}, outside its bounds of {bounds[name][0]} to "
+                    f"mode '{name}' starts with '{given.parameter}' at {brief(own, 6)} {unit}, outside its bounds of {bounds[name][0]} to "
                     f"{bounds[name][1]}."
                 )
     names = list(modes)
@@ -172,7 +173,7 @@ def _displaced(given: Displaced, modes: Mapping[str, FilterDesign], unit: str) -
     for a, b in pairwise(bounded):
         if low[b] < high[a]:
             raise ModeError(
-                f"the bounds of modes '{names[a]}' and '{names[b]}' overlap between {low[b]:.6g} and {min(high[a], high[b]):.6g} {unit}: "
+                f"the bounds of modes '{names[a]}' and '{names[b]}' overlap between {brief(low[b], 6)} and {brief(min(high[a], high[b]), 6)} {unit}: "
                 "modes that can be the same cannot be told apart. Separate them."
             )
     places = [d.model.states.index(given.displacement) for d in modes.values()]

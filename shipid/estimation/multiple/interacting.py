@@ -26,6 +26,7 @@ from shipid.estimation.records.arrangement import FilterRecord, columns_of, load
 from shipid.estimation.records.restart import run_stretches
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.numbers import moment
 from shipid.foundation.result import Printed
 
 
@@ -278,7 +279,7 @@ class InteractingMultipleModel(Printed):
         good = np.isfinite(out[:, : self.design.layout.brief["ll"].stop]).all(axis=1)
         if not good.all():
             raise FilterDivergedError(
-                f"{self.design!r} diverges {record.arranged.t[np.argmin(good)]:.5g} s into record {name}. Start closer to the true "
+                f"{self.design!r} diverges {moment(record.arranged.t[np.argmin(good)])} s into record {name}. Start closer to the true "
                 "state (start, initial, first), or put more noise on the states."
             )
         return MultipleModelRun(self.design, name, record.arranged, record.control, out)

@@ -16,7 +16,7 @@ from shipid.estimation.records.derived import quantity_along
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
-from shipid.foundation.numbers import fixed
+from shipid.foundation.numbers import fixed, moment
 from shipid.foundation.result import DrawnResult
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ class MultipleModelRun(RecordRun, DrawnResult):
         """Return the result in lines of text."""
         lines = [
             repr(self.design).strip("<>"),
-            f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
+            f"record {self.record}: {self.t.size} samples, {moment(self.t[0])} to {moment(self.t[-1])} s",
         ]
         last, mean = self.probabilities[-1], self.probabilities.mean(axis=0)
         lines += [

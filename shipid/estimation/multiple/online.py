@@ -23,6 +23,7 @@ from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.records.clock import steps
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.numbers import brief, moment
 from shipid.foundation.result import Result
 from shipid.generation.loop import Stepper
 
@@ -93,7 +94,9 @@ class MultipleModelEstimate(SampleEstimate):
     @property
     def remarks(self) -> tuple[str, ...]:
         """The probabilities of the modes."""
-        return ("modes: " + ", ".join(f"{n} {p:.4g}" for n, p in zip(self.design.names, self.probabilities.tolist())),)
+        return (
+            "modes: " + ", ".join(f"{n} {brief(p, 4)}" for n, p in zip(self.design.names, self.probabilities.tolist())),
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -326,7 +329,7 @@ class OnlineMultipleModel:
             raise UsageError("a sample needs its time 't' in s, a finite number.")
         elapsed = 0.0 if self.t is None else float(t) - self.t
         if elapsed < 0:
-            raise UsageError(f"the time of the sample, {t:g} s, lies before the last one, {self.t:g} s.")
+            raise UsageError(f"the time of the sample, {moment(t)} s, lies before the last one, {moment(self.t)} s.")
         if covariance is not None:
             covariance = spread_covariances(self.design, np.asarray(covariance, dtype=float), 1)
         inputs = self._inputs(sample)
@@ -385,6 +388,6 @@ class OnlineMultipleModel:
         estimate = self.estimate
         if not math.isfinite(float(estimate.x.sum() + estimate.covariance.sum())):
             raise FilterDivergedError(
-                f"{self.design!r} diverges at {self.t:.5g} s. Start closer to the true state, or put more noise on the states."
+                f"{self.design!r} diverges at {moment(self.t)} s. Start closer to the true state, or put more noise on the states."
             )
         return estimate

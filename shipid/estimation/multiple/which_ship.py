@@ -19,6 +19,7 @@ from shipid.estimation.records.arrangement import FilterRecord
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import DrawnResult, table
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
@@ -59,9 +60,9 @@ class WhichShip(DrawnResult):
         last = dict(zip(self.run.modes, self.run.probabilities[-1].tolist()))
         best = max(last, key=lambda n: last[n])
         if last[best] < _CERTAIN:
-            shares = ", ".join(f"{n} {p:.2g}" for n, p in last.items())
+            shares = ", ".join(f"{n} {brief(p, 2)}" for n, p in last.items())
             return f"The record does not tell which one sails: {shares}."
-        return f"{best} sails, with a probability of {last[best]:.4g} among those given."
+        return f"{best} sails, with a probability of {brief(last[best], 4)} among those given."
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, free of NaN."""

@@ -35,7 +35,7 @@ from shipid.estimation.recursion.gate import REJECTED, TAKEN
 from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.first_look import first_value
 from shipid.foundation.errors import UsageError
-from shipid.foundation.numbers import brief
+from shipid.foundation.numbers import brief, moment
 from shipid.foundation.result import Printed
 from shipid.generation.loop import Stepper
 
@@ -252,7 +252,7 @@ class OnlineFilter(Printed):
         estimate = self._estimate(tuple(n for n, f in zip(design.measured, fate) if f == TAKEN), rejected, "")
         if not math.isfinite(float(estimate.x.sum())):
             raise FilterDivergedError(
-                f"the filter of model {design.base.name} diverges at {self.t:.5g} s. Restore an earlier state, or start "
+                f"the filter of model {design.base.name} diverges at {moment(self.t)} s. Restore an earlier state, or start "
                 "closer to the true state with more noise on the states."
             )
         return estimate

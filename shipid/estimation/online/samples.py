@@ -15,6 +15,7 @@ from shipid.estimation.records.clock import LATEST, FilterClock, steps
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import moment
 from shipid.generation.simulator import unstated_input
 from shipid.trials.speed import check_ahead
 
@@ -115,7 +116,7 @@ class SampleReader:
         sample : mapping of str to float
             The sample.
         """
-        return f"its time {sample['t']:g} s does not follow the last one, {self.t:g} s"
+        return f"its time {moment(sample['t'])} s does not follow the last one, {moment(self.t)} s"
 
     def inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         """Return the inputs that act at a sample, SI, and which of them are missing, shapes (inputs,).

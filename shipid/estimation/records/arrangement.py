@@ -22,6 +22,7 @@ from shipid.estimation.settings.inputs import filled_inputs, hold_last, input_ta
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief, moment
 from shipid.foundation.result import Result
 from shipid.trials.filling import slope
 from shipid.trials.logs.conversion import unwrapped
@@ -140,7 +141,7 @@ class Arrangement(Result):
                 f"{count} of {rows} samples lie in holes of an input that are too long to fill, and are left out."
             )
         said += [
-            f"No {', '.join(hole.inputs)} from {hole.begin:.5g} to {hole.end:.5g} s: no estimates there; what it drives starts anew."
+            f"No {', '.join(hole.inputs)} from {moment(hole.begin)} to {moment(hole.end)} s: no estimates there; what it drives starts anew."
             for hole in self.holes
         ]
         return tuple(said)
@@ -363,7 +364,7 @@ def read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, tria
     sampling = float(np.median(np.diff(t))) if t.size > 1 else 0.0
     if seconds < 0.999 * sampling:
         raise SensorRateError(
-            f"'{name}' is to be read every {seconds:g} s, and trial {trial} is sampled every {sampling:.4g} s. Give an interval "
+            f"'{name}' is to be read every {seconds:g} s, and trial {trial} is sampled every {brief(sampling, 4)} s. Give an interval "
             "that is no shorter, or a record that is sampled finely enough."
         )
     # Half a sample of slack: clocks are not exact multiples of each other.

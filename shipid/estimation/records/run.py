@@ -21,7 +21,7 @@ from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
 from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import probability
+from shipid.foundation.numbers import moment, probability
 from shipid.foundation.result import DrawnResult, Result
 from shipid.foundation.statistics import interval_95
 
@@ -292,7 +292,7 @@ class FilterRun(RecordRun, DrawnResult):
         """Return the result in lines of text."""
         lines = [
             repr(self.design).strip("<>"),
-            f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
+            f"record {self.record}: {self.t.size} samples, {moment(self.t[0])} to {moment(self.t[-1])} s",
         ]
         lines += [f"  {p}" for p in self.parameters.values()]
         for name, i in self.innovations.items():

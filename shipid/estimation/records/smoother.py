@@ -24,6 +24,7 @@ from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.triangles import deviations_of, unpacked
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import moment
 from shipid.foundation.result import DrawnResult
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ class Smoothed(NamedQuantities[np.ndarray], DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text: the filter, the record, and the estimates at its end."""
-        span = f"{self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"
+        span = f"{self.t.size} samples, {moment(self.t[0])} to {moment(self.t[-1])} s"
         lines = [f"smoothed by {repr(self.design).strip('<>')}", f"record: {span}; at its end:"]
         hidden = self.design.parameters.values()
         for name in (*(s for s in self.states if s not in hidden), *self.design.parameters):

@@ -18,6 +18,7 @@ from shipid.estimation.settings.inputs import hold_last, input_table
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import CasadiFunction, Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result
 from shipid.generation.loop import Loop, Stepper, make_loop
 from shipid.generation.simulator import coefficient_vector, initial_state
@@ -146,7 +147,7 @@ class LevelRun(Result):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        return f"{self.name} over {self.t.size} samples: {self.values[-1]:.4g} {self.unit} at the end"
+        return f"{self.name} over {self.t.size} samples: {brief(self.values[-1], 4)} {self.unit} at the end"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the level against time as a pandas table, units in the headers."""

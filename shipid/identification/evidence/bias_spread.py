@@ -10,7 +10,7 @@ from scipy.special import chdtrc
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import quantity
+from shipid.foundation.numbers import brief, quantity
 
 #: Scale of the half-Cauchy distribution that the spread has beforehand (Gelman 2006): rudders are set to a part of a tenth of a
 #: degree, and its long tail leaves a bias at sea to the trials.
@@ -61,7 +61,7 @@ class BiasSpread:
     def words(self) -> str:
         """The spread in words."""
         low, high = np.rad2deg(self.interval)
-        return f"spread from trial to trial {np.rad2deg(self.value):.2g} deg, 95 % from {low:.2g} to {high:.2g} deg"
+        return f"spread from trial to trial {brief(np.rad2deg(self.value), 2)} deg, 95 % from {brief(low, 2)} to {brief(high, 2)} deg"
 
     @property
     def notice(self) -> Notice | None:
@@ -71,7 +71,7 @@ class BiasSpread:
         each = ", ".join(f"{np.rad2deg(b):+.2f} deg ({n})" for n, (b, _) in self.alone.items())
         return Notice(
             f"With a rudder bias of its own each trial asks for {each}: rudders are so far apart with a probability of "
-            f"{self.p_value:.2g}, and the model leaves more of the trials than noise. This is an error of the structure of the "
+            f"{brief(self.p_value, 2)}, and the model leaves more of the trials than noise. This is an error of the structure of the "
             "model, or of wind and current that it does not know, and not of the rudder angle; another model may describe the "
             "trials better (compare).",
             DISAGREE,

@@ -9,7 +9,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, moment, percent
 from shipid.identification.validation.comparison import Comparison
 from shipid.parameters.catalogue import in_wind
 from shipid.trials.speed import astern_from
@@ -182,7 +182,7 @@ def astern_notices(model: Model, comparisons: Sequence[Comparison]) -> list[Noti
     }
     return [
         Notice(
-            f"{name}: the ship goes astern from {t:.4g} s on, and {model.name} knows one speed ahead: use the part before, FILE@0:{t:.4g}.",
+            f"{name}: the ship goes astern from {moment(t)} s on, and {model.name} knows one speed ahead: use the part before, FILE@0:{moment(t)}.",
             ASTERN,
             serious=True,
             trial=name,
@@ -211,7 +211,7 @@ def unread_wind_notices(model: Model, comparisons: Sequence[Comparison], speed: 
     winds = {name: float(np.nanmedian(speeds)) for name, speeds in logged.items() if np.isfinite(speeds).any()}
     return [
         Notice(
-            f"{name}: the log holds a wind of {wind:.3g} m/s, and {model.name} does not read it: what it did to the ship is taken for her own, "
+            f"{name}: the log holds a wind of {brief(wind)} m/s, and {model.name} does not read it: what it did to the ship is taken for her own, "
             f"and no interval contains that. Take {reader.name}, or a trial in less wind.",
             WIND_UNREAD,
             trial=name,

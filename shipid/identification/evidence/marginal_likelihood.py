@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.identification.evidence.bias_spread import EXPECTED, BiasSpread, probability_of_common
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
@@ -121,7 +122,7 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
         middle = float(np.exp(share @ np.log(_SPREADS)))
         nearest = tried[int(np.argmin(np.abs(np.log(_SPREADS / middle))))]
         at = _at(nearest, middle, box)
-        weighing.tell(f"spread of the rudder biases: {np.rad2deg(middle):.2g} deg")
+        weighing.tell(f"spread of the rudder biases: {brief(np.rad2deg(middle), 2)} deg")
         before = at.problem.sigma
         at = weighing.again(at, box)
         if np.abs(np.log(at.problem.sigma / before)).max() < _SETTLED:

@@ -127,7 +127,7 @@ def settle(
         start = scale.start_of(whole[name])
         if name not in known and start is not None and name not in estimated:
             known[name] = start
-            notes.append(f"{name} was held at its declared start, {start:.4g}, which is assumed.")
+            notes.append(f"{name} was held at its declared start, {brief(start, 4)}, which is assumed.")
     lacking = missing_values(whole, {**known, **dict.fromkeys(estimated, 0.0)}, f"ship {given.name}")
     if lacking:
         raise lacking

@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.numbers import brief
 from shipid.generation.system import generate
 from shipid.identification.errors import NoAnswerError, NothingToFitError
 from shipid.trials.trial import Trial
@@ -137,7 +138,7 @@ def check_answer(trial: Trial, signals: Sequence[str]) -> None:
         values = trial[name][np.isfinite(trial[name])] if name in signals else np.zeros(0)
         if values.size > 1 and np.ptp(values) == 0:
             raise NoAnswerError(
-                f"trial {trial.name}, column '{name}': it stays at {values[0]:.6g} {trial.unit(name)} throughout, "
+                f"trial {trial.name}, column '{name}': it stays at {brief(values[0], 6)} {trial.unit(name)} throughout, "
                 "while the rudder moves. Check the sensor and the column, or fit other signals (--signals)."
             )
 

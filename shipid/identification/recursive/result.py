@@ -18,7 +18,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import brief, percent, probability, quantity
+from shipid.foundation.numbers import brief, moment, percent, probability, quantity
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import WHITE
 from shipid.identification.recursive.design import RecursiveDesign
@@ -160,13 +160,13 @@ class RecursiveIdentification(DrawnResult):
         """Why the last estimate is not reliable; empty where it is."""
         if not np.isfinite(self._rows("theta")).all() or not np.isfinite(self._rows("S")).all():
             lost = ~np.isfinite(self._rows("theta")).all(axis=1) | ~np.isfinite(self._rows("S")[:, 0])
-            return f"the estimates diverge {self.t[int(np.argmax(lost))]:.5g} s into the record."
+            return f"the estimates diverge {moment(self.t[int(np.argmax(lost))])} s into the record."
         model, scale = self.design.model, self.design.instruments.scale
         for i, name in enumerate(self.names):
             value, (low, high) = float(self.theta[-1, i]), scale.bounds_of(model[name])
             if not low <= value <= high:
                 unit = pretty(model[name].unit)
-                return f"'{name}' ends at {value:.4g} {unit}, outside the bounds it is declared with."
+                return f"'{name}' ends at {brief(value, 4)} {unit}, outside the bounds it is declared with."
         if self._normalised.size < FEW:
             return ""
         size, share = self._excess
@@ -307,7 +307,7 @@ class RecursiveIdentification(DrawnResult):
         """Return the result in lines of text."""
         lines = [
             f"{self.design!r}",
-            f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
+            f"record {self.record}: {self.t.size} samples, {moment(self.t[0])} to {moment(self.t[-1])} s",
         ]
         lines += [f"  {p}" for p in self.parameters.values()]
         mean = "-" if self.nis_mean is None else brief(self.nis_mean, 3)

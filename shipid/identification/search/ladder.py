@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.declaration.delays import refuse_delay, refuse_estimated_delay
+from shipid.foundation.numbers import brief
 from shipid.identification.errors import NotRegressableError
 from shipid.identification.methods import Method
 from shipid.identification.noise.lasting_sensors import lasting_sensors
@@ -115,7 +116,7 @@ def _by_the_ladder(problem: Problem, box: Box, how: SearchSettings) -> tuple[Sol
     best = _from_starts(thin, starts, box, how)
     if first is not None:
         other = minimise(thin, first, box, most=30, tolerance=_ROUGH)
-        how.tell(f"start by {rungs[-1].method}: cost {other.cost:.4g}")
+        how.tell(f"start by {rungs[-1].method}: cost {brief(other.cost, 4)}")
         better = other.cost < _BETTER * best.cost
         evaluations = best.evaluations + other.evaluations
         best = replace(other if better else best, evaluations=evaluations)
@@ -182,7 +183,7 @@ def _shot(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchSettings
         single = minimise_robustly(thin, joined.q, box, most=60, tolerance=_ROUGH)
         evaluations = joined.evaluations + single.evaluations
         tried.append(replace(single, evaluations=evaluations, message=joined.message))
-        how.tell(f"multiple shooting, start {i + 1} of {len(starts)}: cost {single.cost:.4g}")
+        how.tell(f"multiple shooting, start {i + 1} of {len(starts)}: cost {brief(single.cost, 4)}")
     best = min(tried, key=lambda s: s.cost)
     return replace(best, evaluations=sum(s.evaluations for s in tried))
 
@@ -191,7 +192,7 @@ def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchS
     tried = []
     for i, start in enumerate(starts):
         tried.append(minimise(thin, thin.first_guess(start), box, most=30, tolerance=_ROUGH))
-        how.tell(f"start {i + 1} of {len(starts)}: cost {tried[-1].cost:.4g}")
+        how.tell(f"start {i + 1} of {len(starts)}: cost {brief(tried[-1].cost, 4)}")
     best = tried[0]
     for other in tried[1:]:
         if other.cost < _BETTER * best.cost:
@@ -277,7 +278,7 @@ def _by_prediction_error(problem: Problem, box: Box, how: SearchSettings) -> tup
     numbers = len(levels.sensors) + len(levels.process) + 3 * len(levels.gusts) + shared + levels.biases.size
     sigma, likely = start.problem.sigma, levels.log_likelihood
     levels = replace(levels, lasting=lasting_sensors(residuals, sigma, start.q.size, likely, numbers))
-    reason = f"{levels.message} Log-likelihood {levels.log_likelihood:.6g} after {levels.evaluations} passes."
+    reason = f"{levels.message} Log-likelihood {brief(levels.log_likelihood, 6)} after {levels.evaluations} passes."
     own = with_own_unknowns(problem, levels.parameters, levels.covariance, how.weigh)
     found = replace(
         own, converged=own.converged and levels.converged, message=f"{levels.message}{own.message}", levels=levels

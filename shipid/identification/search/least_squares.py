@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.losses import change_of, reweighted
 from shipid.identification.problem.output_error import Problem
@@ -200,12 +201,12 @@ def refine(problem: Problem, best: Solution, box: Box, weigh: bool, tell: Progre
             change = np.abs(np.log(sigma / best.problem.sigma)).max()
             best = minimise_robustly(replace(best.problem, sigma=sigma), best.q, box, most=40, tolerance=1e-6)
             evaluations += best.evaluations
-            tell(f"weights, turn {turn + 1}: cost {best.cost:.4g}")
+            tell(f"weights, turn {turn + 1}: cost {brief(best.cost, 4)}")
             if change < 0.05:
                 break
     best = minimise_robustly(replace(problem, sigma=best.problem.sigma), best.q, box, most=200)
     evaluations += best.evaluations
-    tell(f"all samples: cost {best.cost:.4g}")
+    tell(f"all samples: cost {brief(best.cost, 4)}")
     if weigh:
         final = replace(best.problem, sigma=residual_levels(best))
         best = minimise_robustly(final, best.q, box, most=100)

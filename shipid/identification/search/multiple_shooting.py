@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from shipid.foundation.numbers import brief
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import Record, make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
@@ -112,7 +113,7 @@ def _shoot(problem: Problem, q0: np.ndarray, box: Box, unit_time: float) -> Solu
         paths = [p if np.isfinite(p).all() else before for p, before in zip(joined, paths)]
     residual, jacobian = problem.residuals(q)
     count = sum(len(c.nodes) for c in shooting.cut)
-    message = f"{count} segments, the largest gap left at a joint is {gap:.1g} of a signal's weight."
+    message = f"{count} segments, the largest gap left at a joint is {brief(gap, 1)} of a signal's weight."
     return Solution(problem, q, residual, jacobian, gap < 1.0, message, evaluations)
 
 

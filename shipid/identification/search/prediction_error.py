@@ -16,6 +16,7 @@ import numpy as np
 from shipid.declaration.scale import Scale
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.records.likelihood import Likelihood
+from shipid.foundation.numbers import brief
 from shipid.generation.reduction import reduced
 from shipid.identification.noise.gusts import Gust, rate_of, state_of, with_gusts
 from shipid.identification.noise.innovations import Stretch, scatter_of, whiteness
@@ -353,7 +354,7 @@ def _newton(
         if np.isfinite(new[0]) and gain >= 0:
             q, (value, gradient, information) = trial, new
             damping = max(damping / 5, 1e-9)
-            tell(f"prediction error: log-likelihood {value:.6g}")
+            tell(f"prediction error: log-likelihood {brief(value, 6)}")
             # The remaining gain, by the quadratic model, is a small part of one sample's.
             if gain < 1e-6 * max(1.0, abs(value)) and float(gradient[free] @ step[free]) < 1e-2:
                 return q, information, True, "the likelihood is at its maximum.", evaluations

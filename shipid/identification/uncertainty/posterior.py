@@ -18,6 +18,7 @@ import numpy as np
 from shipid.declaration.units import pretty
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError, UsageError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import make_record
@@ -134,8 +135,8 @@ class Posterior(Result):
             beside = "" if ratio is None else f"   {ratio:.2f} times as wide as the fit's"
             unit = "" if pretty(self.units[k]) == "1" else f" {pretty(self.units[k])}"
             lines.append(
-                f"  {name:<10s} {self.quantiles[2, k]:.5g}, 95 % from {self.quantiles[0, k]:.5g} to "
-                f"{self.quantiles[-1, k]:.5g}{unit}{beside}"
+                f"  {name:<10s} {brief(self.quantiles[2, k], 5)}, 95 % from {brief(self.quantiles[0, k], 5)} to "
+                f"{brief(self.quantiles[-1, k], 5)}{unit}{beside}"
             )
         return "\n".join(lines)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result
 from shipid.foundation.statistics import NORMAL_95, plain
 from shipid.identification.identified import Identified
@@ -74,7 +75,7 @@ class Profile(Result):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        low, high = ("open" if end is None else f"{end:.6g}" for end in self.ci95)
+        low, high = ("open" if end is None else brief(end, 6) for end in self.ci95)
         return f"Profile of {self.name}: 95 % from {low} to {high} {self.unit}, {self.values.size} points"
 
 

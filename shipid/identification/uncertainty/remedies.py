@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from shipid.foundation.errors import ShipidError
+from shipid.foundation.numbers import brief
 from shipid.generation.system import generate
 from shipid.identification.identified import Identified
 from shipid.identification.problem.prior import structural_errors
@@ -30,7 +31,7 @@ def share_words(share: float) -> str:
     share : float
         1 is 100 %.
     """
-    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+    return f"{brief(100 * share, 2)} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
 class Remedies:
@@ -125,7 +126,7 @@ class Remedies:
         wanted = [w for w in wanted if parse_manoeuvre(w[1]).numbers[0] <= limit + 1e-9]
         if all(model[n].unit in ("", "1") for n in problem.estimated):
             slow = 0.6 * speed
-            wanted.append((f"Sail a 20/20 zig-zag at {slow:.2g} m/s", "zigzag:20/20", problem.signals, slow))
+            wanted.append((f"Sail a 20/20 zig-zag at {brief(slow, 2)} m/s", "zigzag:20/20", problem.signals, slow))
         for s in extra:
             words = f"Measure {SIGNAL_WORDS.get(s, s)} in a 20/20 zig-zag"
             wanted.append((words, "zigzag:20/20", (*problem.signals, s), speed))

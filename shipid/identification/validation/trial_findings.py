@@ -8,7 +8,7 @@ from math import inf
 from typing import Literal
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import moment, percent
 from shipid.foundation.result import ResultEntry
 from shipid.identification.evidence.unseen_gear import MATTERS, effect_of, usual_share
 from shipid.identification.validation.comparison import Comparison
@@ -48,7 +48,7 @@ class TrialFinding(ResultEntry):
 
     def __str__(self) -> str:
         f = self.finding
-        span = f"{f.seconds[0]:.5g} to {f.seconds[1]:.5g} s"
+        span = f"{moment(f.seconds[0])} to {moment(f.seconds[1])} s"
         return f"{self.trial}: {f.kind} ({f.channel}, {percent(f.confidence)}, {span}): {f.message}"
 
 

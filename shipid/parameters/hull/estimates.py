@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.numbers import brief, uncertain_text
 from shipid.parameters.hull.regressions import PROPORTIONS, REGRESSIONS, SOURCE, ranges, scatter_of
 from shipid.parameters.hull.tested_hulls import HullForm
 from shipid.parameters.parameter_set import ParameterSet
@@ -80,7 +80,7 @@ class HullEstimates:
             return [f"{head} nothing, as the ship does not state {', '.join(self.missing)}"]
         if self.beyond:
             return [f"{head} nothing. {self.beyond}"]
-        spans = ", ".join(f"{n} {low:.2g} to {high:.2g}" for n, (low, high) in ranges().items())
+        spans = ", ".join(f"{n} {brief(low, 2)} to {brief(high, 2)}" for n, (low, high) in ranges().items())
         lines = [f"  {n:<3}  {uncertain_text(e.value, e.std):<19}  {e.meaning}" for n, e in self.found.items()]
         return [head, *lines, f"  ± is the scatter of single hulls; the regression is used for {spans}"]
 
@@ -109,9 +109,7 @@ def hull_estimates(ship: ParameterSet) -> HullEstimates:
     for name, (low, high) in ranges().items():
         value = PROPORTIONS[name](form)
         if not low <= value <= high:
-            words = (
-                f"{name} of ship {ship.name} is {value:.3g}, and the regression is used from {low:.3g} to {high:.3g}."
-            )
+            words = f"{name} of ship {ship.name} is {brief(value)}, and the regression is used from {brief(low)} to {brief(high)}."
             return HullEstimates(beyond=words)
     values = {n: one.estimate(form) for n, one in REGRESSIONS.items()}
     return HullEstimates(

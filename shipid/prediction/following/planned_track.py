@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result
 from shipid.prediction.following.wheel_over import TrackLeg
 
@@ -204,7 +205,7 @@ def planned_track(
     if (taken > lengths + 1e-9).any():
         k = int(np.argmax(taken - lengths))
         raise UsageError(
-            f"the turns at both ends of the leg from {called[k]} to {called[k + 1]} take {taken[k]:.4g} m, and it is {lengths[k]:.4g} m "
+            f"the turns at both ends of the leg from {called[k]} to {called[k + 1]} take {brief(taken[k], 4)} m, and it is {brief(lengths[k], 4)} m "
             "long: state smaller turn radii in the route, or leave a waypoint out."
         )
     turned = [_arc(at[k + 1], courses[k], turn, size) for k, (turn, size) in enumerate(zip(turns, radii))]

@@ -13,6 +13,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result
 from shipid.prediction.following.planned_track import PlannedTrack, distance_from
 from shipid.prediction.following.wheel_over import TrackLeg, heading_on
@@ -204,7 +205,7 @@ class TrackPilot:
         track = self._to_next(situation, limit)
         if not _comes_round(track):
             raise UsageError(
-                f"with {np.rad2deg(limit):.3g} deg of rudder the ship does not come to the heading of the next leg, so where the wheel goes "
+                f"with {brief(np.rad2deg(limit))} deg of rudder the ship does not come to the heading of the next leg, so where the wheel goes "
                 "over is not known: allow more rudder, or look at the wind and at the coefficients of the ship."
             )
         begin, spacing = -_REACH * self.predictor.length, 0.25 * self.predictor.length

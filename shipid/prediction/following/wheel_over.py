@@ -12,6 +12,7 @@ import numpy as np
 from shipid.declaration.vocabulary import Number, compass, shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result, ResultEntry
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import PredictedTrack
@@ -231,7 +232,7 @@ def heading_on(leg: TrackLeg, current: tuple[float, float], speed: float, sway: 
     against = -(current[0] * np.cos(leg.course) + current[1] * np.sin(leg.course)) / through
     if abs(across) >= 1 or against >= np.sqrt(1 - across**2):
         raise UsageError(
-            f"a current of {np.hypot(*current):.3g} m/s sets {'across' if abs(across) >= 1 else 'against'} the leg faster than the ship "
+            f"a current of {brief(np.hypot(*current))} m/s sets {'across' if abs(across) >= 1 else 'against'} the leg faster than the ship "
             "sails: the leg cannot be kept."
         )
     return float(leg.course - np.arcsin(across) - np.arctan2(sway, speed))

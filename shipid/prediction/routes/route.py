@@ -11,6 +11,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result, ResultEntry, table
 from shipid.prediction.routes.errors import RouteError, RouteSizeError, WaypointError
 from shipid.prediction.routes.sailings import turned
@@ -125,7 +126,9 @@ class Route(Result):
                 "the earth: latitudes lie between -90 and 90 deg, longitudes between -180 and 180 deg."
             )
         if not self.geographic and max(abs(first), abs(second)) > _FARTHEST:
-            raise WaypointError(f"{self.called(k)}: {first:.4g} m, {second:.4g} m is no place in local metres.")
+            raise WaypointError(
+                f"{self.called(k)}: {brief(first, 4)} m, {brief(second, 4)} m is no place in local metres."
+            )
         for what, value, most, unit in (
             ("the radius of the turn", point.radius, _LARGEST, "m"),
             ("the cross-track limit to port", point.xtd_port, _LARGEST, "m"),
@@ -134,7 +137,7 @@ class Route(Result):
         ):
             if value is not None and not 0 < value <= most:
                 raise WaypointError(
-                    f"{self.called(k)}: {what} is {value:.4g} {unit}. It lies between 0 and {most:g} {unit}."
+                    f"{self.called(k)}: {what} is {brief(value, 4)} {unit}. It lies between 0 and {most:g} {unit}."
                 )
         if point.geometry not in get_args(LegGeometry):
             raise WaypointError(

@@ -19,7 +19,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UsageError
-from shipid.foundation.numbers import brief
+from shipid.foundation.numbers import brief, moment
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
@@ -171,16 +171,16 @@ def sail(
     if run.departure is not None:
         raise NotSailedError(
             f"the voyage of ship {pilot.ship.name} at {brief(u0, 3)} m/s is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
-            f"{run.departure.time:.4g} s after the start. A smaller rudder limit keeps it within its range."
+            f"{brief(run.departure.time, 4)} s after the start. A smaller rudder limit keeps it within its range."
         )
     deviations = parse_noise(noise)
     table = measured({n: run[q][::fine] for n, q in recorded.items()}, t[::fine], deviations, seed)
     beside, units = logged_beside(truth, wind, held)
     table = table.assign(**{n: value for n, value in beside.items() if n not in table})
-    said = ", ".join(f"{shown(h % (2 * np.pi), 'psi')} at {w:.4g} s" for w, h in orders)
+    said = ", ".join(f"{shown(h % (2 * np.pi), 'psi')} at {moment(w)} s" for w, h in orders)
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {truth.name}, ship {pilot.ship.name}, autopilot "
-        f"({pilot.design}) ordered {said}, {u0:.4g} m/s, noise {noise_words(deviations)}, seed {seed}"
+        f"({pilot.design}) ordered {said}, {brief(u0, 4)} m/s, noise {noise_words(deviations)}, seed {seed}"
         f"{met_words(current, wind, waves, driven_by(truth)[1], values)}"
     )
     told = beyond_in_run(truth, pilot.ship, u0, {n: run[q] for n, q in recorded.items()})
@@ -245,7 +245,7 @@ def _orders(
         at = number(when, "s", "the time of a course")
         if at < (found[-1][0] if found else 0.0):
             raise UsageError(
-                f"the courses are ordered one after the other, and {at:g} s is earlier than the one before."
+                f"the courses are ordered one after the other, and {moment(at)} s is earlier than the one before."
             )
         before = unwrapped(number(wanted, "rad", "a course"), before)
         found.append((at, before))

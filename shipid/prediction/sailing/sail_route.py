@@ -18,6 +18,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice, notice_of
+from shipid.foundation.numbers import brief
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import FASTEST_TURN, LEAST_SPEED
@@ -317,8 +318,8 @@ class _Run:
         if fast or now["u"] < LEAST_SPEED * ship.speed:
             what = "she turns faster than any ship" if fast else "she keeps less than a fifth of her speed"
             raise NotSailedError(
-                f"the voyage of ship {ship.pilot.ship.name} at {ship.speed:.3g} m/s is {NOT_SAILED} ({ship.model.name}): {what}, "
-                f"{ship.t:.4g} s after the start. A smaller rudder limit, wider turns or less wind keep it within its range."
+                f"the voyage of ship {ship.pilot.ship.name} at {brief(ship.speed)} m/s is {NOT_SAILED} ({ship.model.name}): {what}, "
+                f"{brief(ship.t, 4)} s after the start. A smaller rudder limit, wider turns or less wind keep it within its range."
             )
 
 
@@ -356,7 +357,7 @@ def _voyage(
     origin = "" if route.origin is None else f"\n{origin_words(route.origin)}"
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {ship.pilot.model.name}, ship {ship.pilot.ship.name}, autopilot "
-        f"({pilot.design}) and track pilot on route '{' '.join(route.name.split())}', {ship.speed:.4g} m/s, "
+        f"({pilot.design}) and track pilot on route '{' '.join(route.name.split())}', {brief(ship.speed, 4)} m/s, "
         f"noise {noise_words(deviations)}, seed {seed}{met}{origin}"
     )
     source = Source(simulated=True, comment=comment, notes=(comment, *told), origin=route.origin)

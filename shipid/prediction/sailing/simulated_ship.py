@@ -21,6 +21,7 @@ from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.numbers import brief
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.simulator import initial_state, input_rows
 from shipid.generation.step import make_step
@@ -220,7 +221,7 @@ class SimulatedShip:
         self._x, out = self._loop(self._x, np.repeat(row[None], count, axis=0), self._p)
         if not np.isfinite(self._x).all():
             raise NotSailedError(
-                f"model {self.model.name} runs away {self.t + seconds:.4g} s into the voyage. A smaller rudder limit keeps it within "
+                f"model {self.model.name} runs away {brief(self.t + seconds, 4)} s into the voyage. A smaller rudder limit keeps it within "
                 "the range the model describes."
             )
         self.t += seconds

@@ -12,6 +12,7 @@ from shipid.estimation.records.derived import quantity_along
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import moment
 from shipid.prediction.situations.situation import Situation
 
 
@@ -40,7 +41,7 @@ def situation_of(run: FilterRun, at: float | None = None, *, coefficients: bool 
     k = t.size - 1 if at is None else int(np.searchsorted(t, at + 1e-9, side="right")) - 1
     if k < 0:
         raise UsageError(
-            f"the record {run.record} begins at {t[0]:.5g} s, later than {at:.5g} s: nothing is known there."
+            f"the record {run.record} begins at {moment(t[0])} s, later than {moment(at)} s: nothing is known there."
         )
     design = run.design
     inputs = run.control[run.arranged.shown][k, design.layout.control["u"]]

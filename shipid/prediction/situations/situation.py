@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import FIELDS, shown_estimate
+from shipid.declaration.units import pretty, to_si
+from shipid.declaration.vocabulary import FIELDS, compass, display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief, fixed, last_place, moment
 from shipid.foundation.result import Result, table
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: Decimals a value is rounded to before it is shown.
+_DECIMALS = 9
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +113,12 @@ class Situation(Result):
             raise UsageError(f"a prediction begins from numbers, and '{wrong[0]}' is none.")
         if not self.values["u"] > 0:
             raise UsageError(
-                f"a prediction runs along the distance sailed ahead, and at u = {self.values['u']:.3g} m/s the ship makes none."
+                f"a prediction runs along the distance sailed ahead, and at u = {brief(self.values['u'])} m/s the ship makes none."
             )
         if abs(self.values.get("v", 0.0)) > self.values["u"]:
             raise UsageError(
-                f"a prediction runs along the distance sailed ahead, and at v = {self.values['v']:.3g} m/s beside u = "
-                f"{self.values['u']:.3g} m/s the ship drifts by more than 45 degrees: state the speed ahead as u; of a trial, check "
+                f"a prediction runs along the distance sailed ahead, and at v = {brief(self.values['v'])} m/s beside u = "
+                f"{brief(self.values['u'])} m/s the ship drifts by more than 45 degrees: state the speed ahead as u; of a trial, check "
                 "that it is this ship's."
             )
         count = len(self.uncertain)
@@ -158,6 +162,43 @@ class Situation(Result):
             return self.current_std
         return self.std_of(name)
 
+    def told(self, name: str) -> tuple[str, str, str]:
+        """Return a value, its standard deviation and its unit, as a terminal and a page print them.
+
+        Parameters
+        ----------
+        name : str
+            A key of `values`.
+
+        Returns
+        -------
+        tuple of str
+            The value to the second digit of its standard deviation, a heading in compass degrees; no standard deviation where the
+            value is taken as known.
+        """
+        inside, value = _unit(name), self.values[name]
+        std = float(to_display(self.told_std(name), name, inside))
+        place = None if std <= 0 else max(0, last_place(std))
+        unit = display_unit(name, inside)
+        if name == "psi":
+            said = compass(value) if place is None else compass(value, place)
+        else:
+            # Rounded first: of a current to the east, the sine leaves a rest to the north.
+            shown = round(float(to_display(value, name, inside)), _DECIMALS)
+            said = brief(shown, 4) if place is None else fixed(shown, place).replace("−", "-")
+        return said, "" if place is None else fixed(std, place), "" if unit == "1" else pretty(unit)
+
+    def told_in_words(self, name: str) -> str:
+        """Return a value with its standard deviation and unit in one piece: ``"8.341 ± 0.042 m/s"``.
+
+        Parameters
+        ----------
+        name : str
+            A key of `values`.
+        """
+        value, std, unit = self.told(name)
+        return f"{value}{f' ± {std}' if std else ''} {unit}".rstrip()
+
     def with_structure(self, growth: float) -> Situation:
         """Return the situation with a larger error of the model.
 
@@ -178,8 +219,8 @@ class Situation(Result):
 
     def text(self) -> str:
         """Return the situation in lines of text."""
-        lines = [f"  {n:<16s} {shown_estimate(v, self.told_std(n), n, _unit(n))}" for n, v in self.values.items()]
-        return "\n".join([f"situation at {self.t:g} s", *lines])
+        lines = [f"  {n:<16s} {self.told_in_words(n)}" for n in self.values]
+        return "\n".join([f"situation at {moment(self.t)} s", *lines])
 
 
 def situation_of(known: Situation | Mapping[str, str | float]) -> Situation:

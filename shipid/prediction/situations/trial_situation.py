@@ -15,6 +15,7 @@ from shipid.estimation.records.run import FilterRun
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import moment
 from shipid.identification.problem.prior import INDEPENDENT
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.sensors import standard_noise
@@ -125,7 +126,7 @@ def known_before(
     seen = len(trial) if at is None else _seen_until(trial, at)
     if seen < _LEAST:
         raise UsageError(
-            f"trial {trial.name} has {seen} samples up to {at:g} s, too few for a filter: give a later time."
+            f"trial {trial.name} has {seen} samples up to {moment(at)} s, too few for a filter: give a later time."
             if at is not None
             else f"trial {trial.name} has {seen} samples, too few for a filter."
         )
@@ -233,7 +234,9 @@ def _seen_until(trial: Trial, at: float) -> int:
     """How many samples a trial has up to an instant of it."""
     t = trial["t"]
     if not t[0] <= at <= t[-1] + 1e-9:
-        raise UsageError(f"trial {trial.name} lasts from {t[0]:.5g} to {t[-1]:.5g} s, and {at:g} s is not in it.")
+        raise UsageError(
+            f"trial {trial.name} lasts from {moment(t[0])} to {moment(t[-1])} s, and {moment(at)} s is not in it."
+        )
     return int(np.searchsorted(t, at + 1e-9, side="right"))
 
 

@@ -16,6 +16,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.foundation.numbers import brief
 from shipid.parameters.parameter_set import missing_values
 from shipid.parameters.validity import growth_in_run
 from shipid.parts.helm import DirectRudder
@@ -366,7 +367,7 @@ class TrackPredictor:
     def _refuse_slow(self, nodes: int, speed: float) -> None:
         if nodes > _MOST:
             raise UsageError(
-                f"at u = {speed:.3g} m/s the ship sails too slowly for her rudder: a track along the distance sailed would have {nodes} steps. Ask for a shorter one."
+                f"at u = {brief(speed)} m/s the ship sails too slowly for her rudder: a track along the distance sailed would have {nodes} steps. Ask for a shorter one."
             )
 
     def _substeps(self, distance: float, speed: float) -> int:

@@ -27,8 +27,8 @@ from shipid.report.figures.svg import (
     thin,
     with_gaps,
 )
-from shipid.trials.filling import interpolated
-from shipid.trials.measuring.track import track
+from shipid.trials.filling import interpolated, usual_interval
+from shipid.trials.measuring.track import smooth_track, track
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
@@ -45,6 +45,10 @@ _FAR = np.deg2rad(120.0)
 _TALLEST, _FLATTEST = 0.8, 0.5
 #: A track so many times as long as it is wide, as that of a zig-zag, is a line in equal scales: it is stretched across.
 _SLIM = 4.0
+#: Positions are averaged over no more than this to both sides in s, but over five samples at least, where there are so many.
+_CALM, _FEW = 10.0, 11
+#: About the most marks of positions as logged, and the share of an axis by which they have to lie beside the line to be shown.
+_MARKS, _SEEN = 250, 0.003
 
 
 def heading_drawing(comparisons: Mapping[str, Comparison]) -> Drawing | None:
@@ -102,7 +106,7 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         See `heading_drawing`.
     """
     trial = next(iter(comparisons.values())).trial
-    measured = _measured_track(trial)
+    measured, fixes = _measured_track(trial), _fixes(trial)
     lines: list[tuple[str, np.ndarray, np.ndarray]] = []
     if measured is not None:
         lines.append(("measured", measured[0], measured[1]))
@@ -127,11 +131,15 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
     note = f"Track, north up, {scales}."
     if measured is not None:
-        note += f" Measured track from {measured[2]}."
+        width = 2 * _averaged(_times(trial)) if measured[2] == "positions" else 0.0
+        over = f", averaged over {brief(width, 2)} s" if width else ""
+        note += f" Measured track from {measured[2]}{over}."
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
         predicted = 0
+        if fixes is not None:
+            ax.plot(fixes[1], fixes[0], ".", color=MUTED, markersize=1.4, alpha=0.6, label="position fixes")
         for label, north, east in lines:
             kept = np.union1d(thin(east, 300), thin(north, 300))
             if label == "measured":
@@ -199,12 +207,43 @@ def _line(ax: Axes, t: np.ndarray, y: np.ndarray, label: str, **look: Plain) -> 
 
 
 def _measured_track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
-    """North and east in m, NaN where the line breaks, and where they come from."""
+    """North and east in m, NaN where the line breaks, and where they come from; positions are averaged over some samples."""
     t = trial["t"]
     if trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any():
         north, east = (with_gaps(t[both], trial[n][both])[1] for n in ("x", "y"))
+        calm = smooth_track(trial, t[both], _averaged(t[both])) if both.sum() >= _FEW else None
+        if calm is not None and np.isfinite(calm[0] + calm[1]).any():
+            north, east = calm
         return north, east, "positions"
     return track(_between_samples(trial))
+
+
+def _times(trial: Trial) -> np.ndarray:
+    """When both positions are there."""
+    return np.asarray(trial["t"][np.isfinite(trial["x"] + trial["y"])])
+
+
+def _averaged(t: np.ndarray) -> float:
+    """Half the time over which positions are averaged in a figure, in s: no ship turns in it so far that it is seen. 0 of few."""
+    return 0.0 if t.size < _FEW else max(5 * usual_interval(t), min(_CALM, 0.01 * float(np.ptp(t))))
+
+
+def _fixes(trial: Trial) -> tuple[np.ndarray, np.ndarray] | None:
+    """The positions as logged, evenly thinned; None where there are none or they lie on the line."""
+    if not trial.has("x", "y"):
+        return None
+    rows = np.flatnonzero(np.isfinite(trial["x"] + trial["y"]))
+    if rows.size < _FEW:
+        return None
+    t, north, east = trial["t"][rows], trial["x"][rows], trial["y"][rows]
+    calm = smooth_track(trial, t, _averaged(t))
+    if calm is None or not (good := np.isfinite(calm[0] + calm[1])).any():
+        return None
+    apart = [np.abs(one - line)[good] for one, line in zip((north, east), calm)]
+    if all(np.quantile(one, 0.9) < _SEEN * max(np.ptp(line[good]), 1.0) for one, line in zip(apart, calm)):
+        return None
+    kept = slice(None, None, 1 + rows.size // _MARKS)
+    return north[kept], east[kept]
 
 
 def _between_samples(trial: Trial) -> Trial:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.spiral import MeasuredSpiral
-from shipid.trials.measuring.track import track
+from shipid.trials.measuring.track import smooth_track, track, turning_width
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
@@ -27,6 +28,9 @@ _HEADING, _RUDDER, _MARK = BLUE, ORANGE, GREEN
 #: Time between two ticks of a track in s: the first that gives no more than a dozen.
 _TICKS = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)
 _TEXT = 8.0
+#: Points of the path of a turning circle; about the most marks of positions as logged, and the share of the figure by which they
+#: have to lie beside the path to be shown.
+_PATH, _FIXES, _SEEN = 400, 250, 0.003
 
 
 def manoeuvre_figure(measures: Measures, record: Trial, length: float | None, key: str) -> Markup | None:
@@ -112,10 +116,6 @@ def _circle(circle: TurningCircle, record: Trial, length: float | None, key: str
     there = np.isfinite(found[0]) & np.isfinite(found[1])
     if there.sum() < 10:
         return None
-    north, east = (np.interp(t, t[there], values[there]) for values in found[:2])
-    north, east = north - np.interp(begin, t, north), east - np.interp(begin, t, east)
-    c, s = np.cos(course), np.sin(course)
-    along, across = c * north + s * east, c * east - s * north
     side = 1.0 if circle.side == "starboard" else -1.0
     quarters = [None if q is None else begin + q for q in circle.times or ()]
     reached = [q for q in quarters if q is not None]
@@ -127,26 +127,49 @@ def _circle(circle: TurningCircle, record: Trial, length: float | None, key: str
         last = min(last, reached[-1] + (reached[-1] - begin) / len(reached))
     if last <= begin:  # the heading never turns to the side of the circle: there is nothing to draw
         return None
-    shown = (t >= begin - 0.15 * (last - begin)) & (t <= last)
-    size = float(np.hypot(np.ptp(along[shown]), np.ptp(across[shown])))
-    every = next((e for e in _TICKS if (t[shown][-1] - begin) / e <= 12), _TICKS[-1])
-    ticks = np.arange(0.0, t[shown][-1] - begin, every) + begin
+    # The path is that of the numbers: averaged over the same time, broken where the record has a hole.
+    moments = np.linspace(max(begin - 0.15 * (last - begin), t[there][0]), min(last, t[there][-1]), _PATH)
+    quarter_moments = np.array([begin, *reached])
+    every = next((e for e in _TICKS if (moments[-1] - begin) / e <= 12), _TICKS[-1])
+    ticks = np.arange(0.0, moments[-1] - begin, every) + begin
+    half = turning_width(float(np.median(np.diff(t[known]))), last - begin)
+    places = smooth_track(record, np.concatenate([[begin], moments, ticks, quarter_moments]), half)
+    if places is None or not np.isfinite([places[0][0], places[1][0]]).all():
+        return None
+    origin = places[0][0], places[1][0]
+    along, across = _from_execute(places[0], places[1], origin, course)
+    path, marks, ships = (
+        (along[a:b], across[a:b])
+        for a, b in itertools.pairwise(np.cumsum([1, len(moments), len(ticks), len(quarter_moments)]))
+    )
+    size = float(np.hypot(np.ptp(path[0][np.isfinite(path[0])]), np.ptp(path[1][np.isfinite(path[1])])))
+    rows = np.flatnonzero(there & (t >= moments[0]) & (t <= moments[-1]))
+    fixes = _from_execute(found[0][rows], found[1][rows], origin, course)
+    apart = np.hypot(*(seen - np.interp(t[rows], moments, line) for seen, line in zip(fixes, path)))
+    # What lies on the line is not seen, and a track reckoned from speed and heading has no fixes.
+    scattered = found[2] == "positions" and np.nanquantile(apart, 0.9) > _SEEN * size
+    thinned = slice(None, None, 1 + len(rows) // _FIXES)
     hull = length if length is not None else 0.08 * size
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
-        kept = np.union1d(thin(along[shown], 500), thin(across[shown], 500))
-        ax.plot(across[shown][kept], along[shown][kept], color=_HEADING, linewidth=1.4, label="track")
-        ax.plot(
-            np.interp(ticks, t, across), np.interp(ticks, t, along), "o", color=_HEADING, markersize=2.6,
-            label=f"every {every:g} s",
-        )  # fmt: skip
-        for k, when in enumerate([begin, *reached]):
+        ax.plot(path[1], path[0], color=_HEADING, linewidth=1.2, label="track")
+        ax.plot(marks[1], marks[0], "o", color=_HEADING, markersize=3.0, label=f"every {every:g} s")
+        if scattered:
+            ax.plot(
+                fixes[1][thinned],
+                fixes[0][thinned],
+                ".",
+                color=MUTED,
+                markersize=1.4,
+                alpha=0.6,
+                zorder=1,
+                label="position fixes",
+            )
+        for k, when in enumerate(quarter_moments):
             x, y = outline(hull, float(np.interp(when, t, heading)))
             label = "_" if k else "ship" if length is not None else "ship, not to scale"
-            ax.plot(
-                y + np.interp(when, t, across), x + np.interp(when, t, along), color=MUTED, linewidth=0.9, label=label
-            )
+            ax.plot(y + ships[1][k], x + ships[0][k], color=MUTED, linewidth=0.9, label=label)
         _dimensions(ax, circle, side, 0.05 * size)
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_xlabel("to starboard of the initial course [m]")
@@ -159,6 +182,15 @@ def _circle(circle: TurningCircle, record: Trial, length: float | None, key: str
         legend(figure, [ax])
 
     return svg(draw, (WIDTH, 4.9), key, f"{circle.title}: the track with advance, transfer and tactical diameter")
+
+
+def _from_execute(
+    north: np.ndarray, east: np.ndarray, origin: tuple[float, float], course: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Places along the initial course and across it to starboard [m]."""
+    c, s = np.cos(course), np.sin(course)
+    north, east = north - origin[0], east - origin[1]
+    return c * north + s * east, c * east - s * north
 
 
 def _dimensions(ax: Axes, circle: TurningCircle, side: float, off: float) -> None:

@@ -13,6 +13,7 @@ from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
 from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, SHOWN_CHANGES, Judgement
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
+from shipid.foundation.numbers import brief
 from shipid.report.figures.charts import Axes, Line, chart, nyquist
 from shipid.report.typography.quantities import shown_field
 
@@ -109,7 +110,7 @@ def _bode_axes(judged: Judgement) -> list[Axes]:
         # Of the angles that say the same, the one between -360 deg and 0 where the gain is one.
         turned -= 360 * np.ceil(turned[at] / 360)
         shown = np.abs(size) <= 40
-        gain.append(Line(f"{loop.speed:.3g} m/s", loop.omega[shown], size[shown], "line", k))
+        gain.append(Line(f"{brief(loop.speed)} m/s", loop.omega[shown], size[shown], "line", k))
         phase.append(Line("", loop.omega[shown], turned[shown], "line", k))
         if crossings.size:
             gain.append(Line("", loop.omega[[at]], size[[at]], "points", k))
@@ -127,7 +128,7 @@ def _sensitivity_axes(judged: Judgement) -> list[Axes]:
         size = 20 * np.log10(np.abs(loop.response))
         shown = np.abs(size) <= 40
         reduced = -20 * np.log10(np.abs(1 + loop.response[shown]))
-        own.append(Line(f"{loop.speed:.3g} m/s", loop.omega[shown], reduced, "line", k))
+        own.append(Line(f"{brief(loop.speed)} m/s", loop.omega[shown], reduced, "line", k))
         rest.append(Line("", loop.omega[shown], size[shown] + reduced, "line", k))
     ends = np.array([min(line.x.min() for line in own), max(line.x.max() for line in own)])
     for lines in (own, rest):
@@ -137,7 +138,7 @@ def _sensitivity_axes(judged: Judgement) -> list[Axes]:
 
 def _nyquist_lines(judged: Judgement) -> list[Line]:
     return [
-        Line(f"{loop.speed:.3g} m/s", loop.response.real, loop.response.imag, "line", k)
+        Line(f"{brief(loop.speed)} m/s", loop.response.real, loop.response.imag, "line", k)
         for k, loop in enumerate(judged.responses)
     ]
 

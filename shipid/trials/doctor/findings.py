@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import given, percent, quantity
+from shipid.foundation.numbers import given, moment, percent, quantity
 from shipid.foundation.result import DrawnResult, ResultEntry, table
 
 if TYPE_CHECKING:
@@ -207,7 +207,7 @@ class Stretch(ResultEntry):
             angles = f" {self.rudder_deg:g}/{self.heading_deg:g}, first to {self.side}"
         elif self.kind == "turn":
             angles = f" with {self.rudder_deg:g} deg of rudder through {self.heading_deg:.0f} deg to {self.side}"
-        return f"{self.start:.6g} to {self.end:.6g} s: {self.kind}{angles}{'' if self.regular or self.kind == 'irregular' else ' (not regular)'}"
+        return f"{moment(self.start)} to {moment(self.end)} s: {self.kind}{angles}{'' if self.regular or self.kind == 'irregular' else ' (not regular)'}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,6 +9,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import FIELDS, angle
+from shipid.foundation.numbers import brief
 from shipid.trials import columns
 from shipid.trials.filling import interpolated
 from shipid.trials.holding import held_on_change, repeats_below_threshold, repeats_of
@@ -157,7 +158,7 @@ def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:
         if column.sign == -1:
             notes.append(f"the sign of {name} was changed: the record counts it positive the other way.")
         if column.scale != 1.0:
-            notes.append(f"{name} was multiplied by {column.scale:.6g}.")
+            notes.append(f"{name} was multiplied by {brief(column.scale, 6)}.")
         if column.note:
             notes.append(f"{name}: {column.note}")
         if column.frame == "from":

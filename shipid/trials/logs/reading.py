@@ -12,6 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from shipid.foundation.errors import MissingFileError, UsageError, nearest
+from shipid.foundation.numbers import moment
 from shipid.trials import columns
 from shipid.trials.conditions import Conditions
 from shipid.trials.errors import EmptyFileError, TrialError, WindowError
@@ -279,11 +280,9 @@ def _cut(record: LenientRecord, span: Span) -> LenientRecord:
         return record  # the conversion to SI says it better
     within = np.flatnonzero(inside(t, span))
     if not within.size:
-        start, end = (-np.inf if span[0] is None else span[0]), (np.inf if span[1] is None else span[1])
+        start, end = ("" if one is None else moment(one) for one in span)
         known = t[np.isfinite(t)]
-        runs = f" The record runs from {known.min():g} to {known.max():g} s." if known.size else ""
-        raise WindowError(
-            f"the window {start:g}:{end:g} s holds no sample of {record.where}.{runs} Choose one inside it."
-        )
+        runs = f" The record runs from {moment(known.min())} to {moment(known.max())} s." if known.size else ""
+        raise WindowError(f"the window {start}:{end} s holds no sample of {record.where}.{runs} Choose one inside it.")
     rows = np.arange(len(record))
     return record.keep((rows >= within[0]) & (rows <= within[-1]))

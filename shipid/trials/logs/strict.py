@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import counted, moment
 from shipid.trials import checks, columns
 from shipid.trials.filling import usual_interval
 from shipid.trials.logs.conversion import in_si, put_right, unwrapped, without_repeats, without_trailing
@@ -89,7 +89,9 @@ def _remarks(table: pd.DataFrame) -> list[str]:
     found = checks.gaps(t, min((usual_interval(t, c) for c in channels), default=usual_interval(t)))
     if found.size:
         k = int(found[np.argmax(np.diff(t)[found])])
-        notes.append(f"The clock has {counted(found.size, 'gap')}, the longest from {t[k]:g} to {t[k + 1]:g} s.")
+        notes.append(
+            f"The clock has {counted(found.size, 'gap')}, the longest from {moment(t[k])} to {moment(t[k + 1])} s."
+        )
     if {"delta", "r"} <= set(table) and checks.turns_to_port(t, table["delta"].to_numpy(), table["r"].to_numpy()):
         notes.append(
             "WARNING: positive rudder turns this ship to port. shipid counts delta and r positive to starboard: "

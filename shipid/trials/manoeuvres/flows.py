@@ -11,8 +11,9 @@ import numpy as np
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import Typed, to_si
-from shipid.declaration.vocabulary import FIELDS
+from shipid.declaration.vocabulary import FIELDS, angle
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
 from shipid.parameters.held_inputs import held_inputs
 from shipid.parts.wind import Wind
 
@@ -86,8 +87,9 @@ def said_of(flow: Flow, unit: str = "m/s") -> str:
     """
     if isinstance(flow, str):
         return flow
-    size, direction = (f if isinstance(f, str) else f"{f:.4g} {u}" for f, u in zip(flow, (unit, "rad")))
-    return f"{size} to {direction}"
+    size, direction = flow
+    size = size if isinstance(size, str) else f"{brief(size, 4)} {unit}"
+    return f"{size} to {direction if isinstance(direction, str) else angle(direction)}"
 
 
 def met_words(

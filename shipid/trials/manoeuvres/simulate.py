@@ -192,7 +192,7 @@ def simulate(
             remedy = "No manoeuvre is within its range so: state another value of the ship, another speed or input, or take another model."
         raise NotSailedError(
             f"{manoeuvre} of ship {ship.name} at {brief(u0, 3)} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
-            f"{run.departure.time:.4g} s after the start. {remedy}"
+            f"{brief(run.departure.time, 4)} s after the start. {remedy}"
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     columns = {n: run.columns[reading[n]] for n in kept if n in reading}
@@ -208,7 +208,7 @@ def simulate(
     changed = "".join(f", {n} {value}" for n, value in (values or {}).items())
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
-        f"{u0:.4g} m/s{changed}, noise {noise_words(deviations, own)}, seed {seed}{met}"
+        f"{brief(u0, 4)} m/s{changed}, noise {noise_words(deviations, own)}, seed {seed}{met}"
     )
     # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
     notes = beyond_in_run(model, ship, u0, columns, known=True)

@@ -8,7 +8,8 @@ from math import pi
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from shipid.declaration.vocabulary import angle, shown
+from shipid.declaration.vocabulary import angle, compass, shown
+from shipid.foundation.numbers import last_place
 from shipid.trials.measuring.track import TurnTrack
 from shipid.trials.signals.channel import Channel
 
@@ -207,9 +208,10 @@ def still_water(
             off.append(
                 f"{name.replace('_', ' ')} within {shown(drifting.within * (quarter - way.when), 'x', digits=2)}"
             )
+    place = max(0, last_place(drifting.within))
     note = (
-        f"over the ground the circle drifts at {shown(drifting.speed, 'U', digits=3)} to {angle(drifting.direction, 3)} "
-        f"(within {shown(drifting.within, 'U', digits=2)}): current, and what wind and waves add; the still-water values have "
+        f"over the ground the circle drifts at {drifting.speed:.{place}f} m/s to {compass(drifting.direction, 0)} deg "
+        f"(within {drifting.within:.{place}f} m/s): current, and what wind and waves add; the still-water values have "
         f"it taken off ({', '.join(off)})"
     )
     return values, {}, [note]

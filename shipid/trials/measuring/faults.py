@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import moment
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import LEAST, SURE, Diagnosis
 from shipid.trials.signals.order import lag_behind_order
@@ -70,8 +71,8 @@ class Faults:
         a, b = hole
         for start, end, kind in self.why.get(name, ()):
             if start < b and end > a:
-                return f"{kind} {start:.5g} to {end:.5g} s in {_NAMES.get(name, name)}"
-        return f"gap {a:.5g} to {b:.5g} s in {_NAMES.get(name, name)}"
+                return f"{kind} {moment(start)} to {moment(end)} s in {_NAMES.get(name, name)}"
+        return f"gap {moment(a)} to {moment(b)} s in {_NAMES.get(name, name)}"
 
     def step(self, start: float, end: float) -> str | None:
         """Return that the heading was set to another value between two times, in words; None where it was not.
@@ -82,7 +83,7 @@ class Faults:
             The times [s].
         """
         for when, _ in self._spans(_STEP, start, end):
-            return f"the heading is set to another value at {when:.5g} s"
+            return f"the heading is set to another value at {moment(when)} s"
         return None
 
     def jumps(self, start: float, end: float) -> list[tuple[float, float]]:

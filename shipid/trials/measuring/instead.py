@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted, moment
 from shipid.trials.checks import STEADY_RUDDER
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.measuring.track import speed_channel
@@ -138,7 +138,7 @@ def propeller_words(trial: Trial, start: float | None = None, end: float | None 
         # For three samples in a row, so that a single wild one does not count.
         lasting = low[:-2] & low[1:-1] & low[2:]
         if lasting.any():
-            return f"The propeller is {what} at {when[int(np.argmax(lasting))]:.4g} s."
+            return f"The propeller is {what} at {moment(when[int(np.argmax(lasting))])} s."
     return ""
 
 
@@ -181,5 +181,5 @@ def slowed_down(
     before = before if approach is None else approach
     if before <= 0 or last > _LOST * before:
         return []
-    words = f"the speed falls from {before:.3g} to {last:.3g} m/s: no rudder brakes a ship so far, the propeller is slowed or stopped"
+    words = f"the speed falls from {brief(before)} to {brief(last)} m/s: no rudder brakes a ship so far, the propeller is slowed or stopped"
     return [Notice(words, "propeller", serious=True)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from shipid.foundation.numbers import moment
 from shipid.trials.doctor.findings import Diagnosis, Stretch
 from shipid.trials.errors import SeveralManoeuvresError
 from shipid.trials.trial import Trial
@@ -45,7 +46,7 @@ class ListedManoeuvre:
     window: tuple[float, float]
 
     def __str__(self) -> str:
-        return f"{self.number}: {self.title}, {self.start:.6g} to {self.end:.6g} s"
+        return f"{self.number}: {self.title}, {moment(self.start)} to {moment(self.end)} s"
 
 
 def manoeuvres_in(trial: Trial, diagnosis: Diagnosis) -> tuple[ListedManoeuvre, ...]:

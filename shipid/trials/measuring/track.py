@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from shipid.foundation.numbers import brief
+from shipid.foundation.numbers import brief, moment
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
@@ -160,6 +160,54 @@ def track_channels(trial: Trial, wrong: Mapping[str, np.ndarray]) -> tuple[Chann
     return Channel("x", t, path[0], holes, trial.sampling), Channel("y", t, path[1], holes, trial.sampling), path[2]
 
 
+def turning_width(interval: float, lasts: float) -> float:
+    """Return half the time over which the heading and the positions of a turn are averaged, in s.
+
+    Parameters
+    ----------
+    interval : float
+        Usual interval of the samples, s.
+    lasts : float
+        How long the rudder is over, s.
+    """
+    return max(5 * interval, 0.01 * lasts)
+
+
+def smooth_track(trial: Trial, moments: np.ndarray, half: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return north and east [m] at given moments, smoothed as the distances of a turn are; None where nothing gives them.
+
+    Parameters
+    ----------
+    trial : Trial
+        As for `track`.
+    moments : ndarray, shape (m,)
+        The moments [s].
+    half : float
+        Half the time over which positions are averaged [s].
+
+    Returns
+    -------
+    tuple of ndarray, shape (m,), or None
+        NaN in a hole of the record.
+    """
+    channels = track_channels(trial, {})
+    if channels is None:
+        return None
+    return _at(channels[0], moments, half), _at(channels[1], moments, half)
+
+
+def _at(channel: Channel, moments: np.ndarray, half: float) -> np.ndarray:
+    """A coordinate at given moments; what is reckoned from speed and heading is smooth as it is."""
+    # What lies on the other side of a hole is far away: each stretch is averaged by itself.
+    behind = np.searchsorted(channel.t, [end for _, end in channel.holes])
+    wide = max(half, 2.5 * channel.interval)
+    stretches = zip(np.split(channel.t, behind), np.split(channel.y, behind))
+    values = np.concatenate([series.local_values(t, y, wide) for t, y in stretches])
+    found = np.interp(moments, channel.t, values, left=np.nan, right=np.nan)
+    begin, end = np.array(channel.holes).reshape(-1, 2).T[:, :, None]
+    return np.where(((moments > begin) & (moments < end)).any(axis=0), np.nan, found)
+
+
 def jumped(channel: Channel, start: float, end: float) -> float:
     """Return how far a position has jumped in a span of time, beyond how it moved just before and behind it, in m.
 
@@ -261,7 +309,7 @@ class TurnTrack:
         size = float(np.hypot(north, east))
         if size <= _JUMP * float(np.hypot(*self.moved(at))):
             return None
-        return f"the positions jump by {brief(size, 3)} m at {spans[0][0]:.5g} s"
+        return f"the positions jump by {brief(size, 3)} m at {moment(spans[0][0])} s"
 
     def distances(self, quarters: list[float | None], reasons: dict[str, str]) -> dict[str, float | None]:
         """Return advance, transfer and tactical diameter over the ground [m].

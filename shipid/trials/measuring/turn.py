@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import brief
+from shipid.foundation.numbers import brief, moment
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.current import drift_of, still_water
 from shipid.trials.measuring.faults import Faults
@@ -24,6 +24,7 @@ from shipid.trials.measuring.track import (
     over_ground_notes,
     speed_channel,
     track_channels,
+    turning_width,
 )
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
@@ -122,7 +123,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         )
     side, when = plate.side, start[0].time
     off = min(_released(steering, plate), driven_until(trial, when))
-    calm = max(5 * psi.interval, 0.01 * (off - when))
+    calm = turning_width(psi.interval, off - when)
     psi = psi.bridged(_BRIDGED * (off - when) * pi / 2 / max(_turned(psi, when, off), pi / 2))
     reasons: dict[str, str] = {}
     # The course before the order: the ship turns after it, so nothing of that may be averaged in.
@@ -135,7 +136,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     running = slice(int(np.searchsorted(psi.t, when)), int(np.searchsorted(psi.t, off, side="right")))
     if running.stop - running.start < 2:
         raise NotAManoeuvreError(
-            f"trial '{trial.name}' has no heading while the rudder is over, from {when:.5g} to {off:.5g} s: the turn cannot be measured."
+            f"trial '{trial.name}' has no heading while the rudder is over, from {moment(when)} to {moment(off)} s: the turn cannot be measured."
         )
     smooth = series.smoothed(psi.t, turned, calm)[running]
     quarters: list[float | None] = [series.crossing(psi.t[running], smooth, q) for q in _QUARTERS]
@@ -148,6 +149,9 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             )
             quarters[k - 1] = None
     moving = speed_channel(trial, faults.wrong)
+    for k, quarter in enumerate(quarters, start=1):
+        if moving is not None and quarter is not None and (hole := moving.hole(quarter)) is not None:
+            reasons[f"speeds[{k}]"] = faults.hole(moving.name, hole)
     found: dict[str, Plain] = {}
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
@@ -233,7 +237,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         execute_within=start[0].within,
         course=None if "course" in reasons else course,
         times=tuple(None if q is None else q - when for q in quarters),
-        speeds=tuple(_speed_at(moving, q, calm) for q in quarters),
+        speeds=None if moving is None else tuple(_speed_at(moving, q, calm) for q in quarters),
         pull_out_rate=_pull_out(steering, psi, plate, off),
         reasons=reasons | ({} if start[0].hole is None else {"first_execute": faults.hole("delta", start[0].hole)}),
         notes=(

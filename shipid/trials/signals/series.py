@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import savgol_filter
 
 
 def smoothed(t: np.ndarray, y: np.ndarray, width: float) -> np.ndarray:
@@ -56,6 +57,26 @@ def _fitted(x: np.ndarray, y: np.ndarray, degree: int) -> np.ndarray:
     As numpy's ``polyfit``, whose preparations take several times as long as the solution of so few samples.
     """
     return np.asarray(np.linalg.lstsq(np.vander(x, degree + 1, increasing=True), y, rcond=None)[0])
+
+
+def local_values(t: np.ndarray, y: np.ndarray, half: float) -> np.ndarray:
+    """Return `value_at` of degree two at every sample of a noisy series.
+
+    Parameters
+    ----------
+    t, y : ndarray, shape (n,)
+        Time [s] and series; the clock is taken to be about regular.
+    half : float
+        Half width of the stretch that is fitted [s]; below five samples nothing is smoothed.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    if len(y) < 5:
+        return y
+    size = min(2 * int(half / float(np.median(np.diff(t)))) + 1, (len(y) - 1) | 1)
+    return y if size < 5 else np.asarray(savgol_filter(y, size, 2))
 
 
 def crossing(t: np.ndarray, y: np.ndarray, level: float) -> float | None:

@@ -11,7 +11,9 @@ import shipid
 from shipid.prediction.charts.chart import Buoy, Chart, Contour, DepthArea
 from shipid.prediction.predict_route import predict_route
 from shipid.prediction.routes.route import Route, Waypoint
+from shipid.report.figures.svg import collected
 from shipid.report.figures.tracks import track_figure
+from shipid.report.views.record.plan import plan_figure
 
 
 @pytest.fixture(scope="module")
@@ -64,3 +66,12 @@ def test_a_chart_is_drawn_with_its_holes_and_cut_to_the_view(found):
     assert areas[0] * areas[1] < 0 and abs(areas[0] / areas[1]) == pytest.approx(9, rel=0.05)
     size = max(float(n) for n in re.findall(r"[ML]([\d.]+) ", " ".join(drawn(figure))))
     assert size < 2000
+
+
+def test_a_track_below_its_plan_is_seen():
+    """A ship that keeps to her plan was hidden by it."""
+    line = (np.linspace(0, 1000, 50), np.zeros(50))
+    with collected() as drawings:
+        plan_figure({"track": line, "plan": line}, "Track")
+    track, plan = drawings["track"].figure().axes[0].lines[:2]
+    assert track.get_linewidth() > 2 * plan.get_linewidth()

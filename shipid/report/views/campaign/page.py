@@ -14,6 +14,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import estimate, number
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.page import Page, Row, Section
+from shipid.report.views.campaign.means_figure import means_figures
 from shipid.report.views.words import count, sentence
 
 _COLUMNS = [
@@ -39,7 +40,8 @@ def campaign_page(found: CampaignResult) -> Page:
         rows = [_row(s) for s in numbers]
         # A column in which no measure has anything to say is left out.
         columns = [c for c in _COLUMNS if any(row[c[1]] for row in rows)]
-        sections.append(Section("Measures", "campaign/measures.html", {"columns": columns, "rows": rows}))
+        view = {"columns": columns, "rows": rows, "figures": means_figures(numbers)}
+        sections.append(Section("Measures", "campaign/measures.html", view))
     if courses:
         sections.append(Section("Over the run", "campaign/course.html", {"figure": _courses(courses)}))
     if texts:
@@ -74,24 +76,28 @@ def _row(s: Statistic) -> Row:
     (mean, between), (rmse, rmse_between) = (
         estimate(value, ends, factor) for value, ends in ((s.mean, s.mean_interval), (s.rmse, s.rmse_interval))
     )
+    # Of an event the share says it all.
+    std, low, high = ("", "", "") if s.measure.kind == "event" else s.told(factor)
+    unit = pretty(display_unit("", s.measure.unit))
     return {
         "what": sentence(s.measure.meaning) or s.name,
         "mean": mean,
         "interval": between,
         "rmse": rmse if error else "",
         "rmse_interval": rmse_between if error else "",
-        "std": _number(s.std, factor),
-        "low": _number(s.low, factor),
-        "high": _number(s.high, factor),
-        "unit": pretty(display_unit("", s.measure.unit)),
+        "std": std,
+        "low": low,
+        "high": high,
+        "unit": "" if unit == "1" else unit,
         "missing": str(s.missing) if s.missing else "",
         "remark": _remark(s),
     }
 
 
 def _remark(s: Statistic) -> str:
-    words = [f"`{s.name}`."] if s.measure.meaning else []
+    words = [f"`{s.name}`"] if s.measure.meaning else []
     if s.measure.kind == "nees":
+        words = [f"{words[0]}."] if words else []
         words.append(f"A normalised squared error of {s.measure.degrees} degrees of freedom")
         band = (
             f" has a mean of {_interval(s.expected_interval)} in 95 % of campaigns if the filter is consistent."

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from shipid.criteria.criteria import NOT_COVERED, Criteria, CriterionSide
+from shipid.criteria.criteria import NOT_COVERED, OPEN, Criteria, Criterion, CriterionSide, decimals
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import fixed, given, number
+from shipid.foundation.numbers import brief, given, number
 from shipid.report.figures.comparisons import limits_drawing
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import sentence, versions_now
@@ -36,8 +36,10 @@ def _answer(found: Criteria) -> list[str]:
     """Which quantities are within their limits: the verdicts of the table in words."""
     said = []
     for verdict, words in ((False, "Beyond the limit"), (True, "Within the limit")):
-        names = [row.meaning for row in found.rows if row.within is verdict]
+        names = [row.meaning for row in found.rows if row.within is verdict and not row.extrapolated]
         said += [f"{words}: {'; '.join(names)}."] if names else []
+        names = [row.meaning for row in found.rows if row.within is verdict and row.extrapolated]
+        said += [f"{words} by extrapolation: {'; '.join(names)}."] if names else []
     open_ = [row.meaning for row in found.rows if row.within is None and row.limit is not None]
     return [*said, *([f"Not decided: {'; '.join(open_)}."] if open_ else [])] or ["No value is judged."]
 
@@ -60,7 +62,7 @@ def criteria_section(found: Criteria | str | None) -> Section | None:
 def _told(found: Criteria, notes: Sequence[str]) -> Section:
     length, speed = found.length, found.speed
     head = (
-        f"L {given(length)} m, V {given(round(speed, 2))} m/s, L/V {number(length / speed, 3)} s; turning circle with "
+        f"L {given(length)} m, V {brief(speed)} m/s, L/V {number(length / speed, 3)} s; turning circle with "
         f"{angle(found.rudder, 2)} of rudder."
     )
     if any(side.band95 for row in found.rows for side in (row.starboard, row.port)):
@@ -68,17 +70,18 @@ def _told(found: Criteria, notes: Sequence[str]) -> Section:
     rows: list[Row] = [
         {
             "meaning": sentence(row.meaning),
-            "verdict": {True: "within", False: "beyond", None: "no limit" if row.limit is None else "not decided"}[
-                row.within
-            ],
+            "verdict": row.verdict,
             "class": {True: "", False: "beyond", None: "" if row.limit is None else "undecided"}[row.within],
-            "starboard": _value(row.starboard, row.unit),
-            "port": _value(row.port, row.unit),
+            "starboard": _value(row, row.starboard),
+            "port": _value(row, row.port),
             "limit": row.limit_text or "none",
             # Of both sides once; what the model does not sail at all is told in a note.
             "remark": " ".join(
-                dict.fromkeys(
-                    _why(s) for s in (row.starboard, row.port) if s.value is None and NOT_SAILED not in s.words
+                ([f"{sentence(OPEN)}."] if row.within is None and row.open else [])
+                + list(
+                    dict.fromkeys(
+                        _why(s) for s in (row.starboard, row.port) if s.value is None and NOT_SAILED not in s.words
+                    )
                 )
             ),
         }
@@ -99,11 +102,9 @@ def _section(view: Row) -> Section:
     return Section("Manoeuvring criteria", "criteria/criteria.html", view)
 
 
-def _value(side: CriterionSide, unit: str) -> str:
-    if side.value is None:
-        return side.words.partition(":")[0]
-    band = f" ({_band(side.band95)})" if side.band95 else ""
-    return f"{fixed(side.value, 2)}{band} {unit}"
+def _value(row: Criterion, side: CriterionSide) -> str:
+    cell = row.cell(side).replace("-", "−")
+    return row.cell(side) if side.value is None else f"{cell} {row.unit}"
 
 
 def _why(side: CriterionSide) -> str:
@@ -112,7 +113,7 @@ def _why(side: CriterionSide) -> str:
 
 
 def _band(band: tuple[float, float] | None) -> str:
-    return "" if band is None else f"{fixed(band[0], 2)} to {fixed(band[1], 2)}"
+    return "" if band is None else f"{decimals(band[0], 'deg')} to {decimals(band[1], 'deg')}"
 
 
 def _spiral(found: Criteria) -> str:
@@ -122,8 +123,8 @@ def _spiral(found: Criteria) -> str:
     if s["half_width"]["value"] == 0:
         return "Spiral: no loop; the ship is stable on a straight course."
     height, band = s["loop_height"]["value"], _band(s["half_width"]["interval_95"])
-    words = f"Spiral: the ship is unstable on a straight course; half width of the loop {fixed(s['half_width']['value'], 2)} deg"
+    words = f"Spiral: the ship is unstable on a straight course; half width of the loop {decimals(s['half_width']['value'], 'deg')} deg"
     words += f" (95 % band {band} deg)" if band else ""
     words += f", height {number(height, 3)} deg/s" if height is not None else ""
     verdict = {True: "within the ", False: "beyond the ", None: ""}[s["within"]]
-    return f"{words}; its width of {fixed(s['loop_width']['value'], 2)} deg is {verdict}{s['limit_text']}."
+    return f"{words}; its width of {decimals(s['loop_width']['value'], 'deg')} deg is {verdict}{s['limit_text']}."

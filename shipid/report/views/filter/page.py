@@ -11,7 +11,7 @@ from scipy.special import chdtri
 from shipid.estimation.levels.judge_filter import not_white
 from shipid.estimation.records.observability import Observability
 from shipid.estimation.records.run import FilterRun, Innovations
-from shipid.foundation.numbers import fixed, uncertain
+from shipid.foundation.numbers import fixed, moment, uncertain
 from shipid.foundation.statistics import WHITE
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Row, Section
@@ -64,7 +64,7 @@ def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
         [s for section in SECTIONS if (s := section(run)) is not None],
         warnings if seen is None else [*warnings, *seen.messages],
         notes if seen is not None else [*notes, _NOT_ASKED],
-        f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
+        f"{run.t.size} samples, {moment(run.t[0])} to {moment(run.t[-1])} s. {versions_now()}",
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shipid.foundation.numbers import fixed, uncertain
+from shipid.foundation.numbers import fixed, moment, uncertain
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Section
@@ -44,7 +44,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
         [s for section in SECTIONS if (s := section(run)) is not None],
         [f"Not reliable: {run.why_diverged}"] if run.diverged else [],
         cautions,
-        f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
+        f"{run.t.size} samples, {moment(run.t[0])} to {moment(run.t[-1])} s. {versions_now()}",
     )
 
 

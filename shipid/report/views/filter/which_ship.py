@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shipid.estimation.multiple.which_ship import WhichShip
-from shipid.foundation.numbers import fixed
+from shipid.foundation.numbers import fixed, moment
 from shipid.report.figures.trials import Curve, Panel, halves
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown
@@ -30,7 +30,7 @@ def which_ship_page(found: WhichShip) -> Page:
             "The probabilities compare the ships given: that one is the most probable does not say that it is right.",
             *run.arranged.words,
         ],
-        f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
+        f"{run.t.size} samples, {moment(run.t[0])} to {moment(run.t[-1])} s. {versions_now()}",
     )
 
 

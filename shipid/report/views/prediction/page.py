@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import shipid
-from shipid.declaration.units import pretty
-from shipid.declaration.vocabulary import compass, display_unit, label, to_display
-from shipid.foundation.numbers import fixed, last_place, number
+from shipid.declaration.vocabulary import compass, label
+from shipid.foundation.numbers import fixed, number
 from shipid.prediction.prediction import Prediction
 from shipid.report.figures.tracks import along_figure, track_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import sentence
 
-#: What is shown of a situation, with the units inside.
-_UNITS = {
-    "x": "m", "y": "m", "psi": "rad", "r": "rad/s", "u": "m/s", "v": "m/s", "delta": "rad", "current_north": "m/s",
-    "current_east": "m/s", "wind_speed": "m/s", "wind_direction": "rad",
-}  # fmt: skip
-#: A value is rounded to so many decimals first: of a current to the east, the sine leaves a rest to the north.
-_DECIMALS = 9
+#: What is shown of a situation.
+_SHOWN = ("x", "y", "psi", "r", "u", "v", "delta", "current_north", "current_east", "wind_speed", "wind_direction")
 #: The columns of the stages.
 _COLUMNS = [
     ("Time [s]", "t", "n"), ("Ahead [m]", "ahead", "n"), ("Aside [m]", "aside", "n"), ("Heading [deg]", "heading", "n"),
@@ -96,29 +90,10 @@ def _stages(found: Prediction) -> list[Row]:
     ]
 
 
-def _value(value: float, std: float | None) -> str:
-    """A value with the digits that its standard deviation allows."""
-    return number(round(value, _DECIMALS), 4) if std is None else fixed(value, max(0, last_place(std)))
-
-
 def _situation(found: Prediction) -> list[Row]:
-    known = found.situation
     rows: list[Row] = []
-    for name, value in known.values.items():
-        unit = _UNITS.get(name)
-        if unit is None:
-            continue
-        told = float(to_display(value, name, unit))
-        # A heading is told in compass degrees.
-        told = told % 360 if name == "psi" else told
-        known_std = known.told_std(name)
-        std = float(to_display(known_std, name, unit)) if known_std else None
-        rows.append(
-            {
-                "what": label(name),
-                "value": _value(told, std),
-                "std": "taken as known" if std is None else number(std, 2),
-                "unit": pretty(display_unit(name, unit)),
-            }
-        )
+    for name in (n for n in found.situation.values if n in _SHOWN):
+        value, std, unit = found.situation.told(name)
+        value = value.replace("-", "−")
+        rows.append({"what": label(name), "value": value, "std": std or "taken as known", "unit": unit})
     return rows

@@ -12,6 +12,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS, display_factor, display_unit
 from shipid.estimation.multiple.multiple_run import MultipleModelRun
 from shipid.estimation.records.smoother import Smoothed
+from shipid.foundation.numbers import moment
 from shipid.foundation.statistics import NORMAL_95
 from shipid.prediction.sailing.voyage import Voyage
 from shipid.prediction.tracks.predicted_track import PredictedTrack
@@ -94,7 +95,7 @@ def smoothed_page(found: Smoothed) -> Page:
     return _page(
         f"{design.base.name}, smoothed",
         [
-            f"{found.t.size} samples, {found.t[0]:g} to {found.t[-1]:g} s, smoothed with model "
+            f"{found.t.size} samples, {moment(found.t[0])} to {moment(found.t[-1])} s, smoothed with model "
             f"{design.base.name}: each estimate uses the whole record."
         ],
         _signals(panels, "Every estimate uses the whole record; dotted: 95 % band."),
@@ -121,7 +122,7 @@ def multiple_page(run: MultipleModelRun) -> Page:
     page = _page(
         f"{run.record}, by several models",
         [
-            f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s, by a multiple-model filter of {len(run.modes)} modes. "
+            f"{run.t.size} samples, {moment(run.t[0])} to {moment(run.t[-1])} s, by a multiple-model filter of {len(run.modes)} modes. "
             f"Most probable at the end: {run.most_probable[-1]}."
         ],
         _signals(states, "Combined estimates; dotted: 95 % band."),

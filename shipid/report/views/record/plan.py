@@ -39,7 +39,10 @@ def plan_figure(lines: Mapping[str, tuple[np.ndarray, np.ndarray]], title: str) 
         ax = figure.subplots()
         for colour, (name, (north, east)) in zip(_COLOURS, shown.items()):
             kept = np.union1d(thin(east, 400), thin(north, 400))
-            ax.plot(east[kept], north[kept], color=colour, linewidth=1.3, label=name)
+            # A ship that keeps to her plan lies below it: the first of several lines is broad and pale.
+            beneath = len(shown) > 1 and name == next(iter(shown))
+            width, alpha = (2.8, 0.55) if beneath else (1.2, 1.0)
+            ax.plot(east[kept], north[kept], color=colour, linewidth=width, alpha=alpha, label=name)
         north, east = next(iter(shown.values()))
         first = int(np.argmax(np.isfinite(north + east)))
         ax.plot(east[first], north[first], "o", color=MUTED, markersize=4, label="start")

@@ -15,7 +15,7 @@ from shipid.foundation.numbers import fixed, given, number, uncertain
 from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
-from shipid.trials.measuring.results.measures import Measures, measured
+from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
@@ -28,7 +28,7 @@ _LIMITS = [
 #: What the figure of a manoeuvre shows, by the class of its measures.
 _CAPTIONS = {
     "ZigZag": "Heading and rudder; each overshoot is marked. The tables count time from the beginning of the record.",
-    "TurningCircle": "The track of the circle with the ship's outline, and its dimensions.",
+    "TurningCircle": "The track of the circle, averaged as for its dimensions, with the ship's outline.",
     "MeasuredSpiral": "Steady rate of turn against rudder angle.",
     "PullOut": "Rate of turn after the rudder is put amidships.",
 }
@@ -175,18 +175,16 @@ def _single(measures: Measures) -> Iterator[Row]:
         ratio = known.get(f"{name.removesuffix('_distance')}{_RATIO}")
         yield {
             "name": sentence(name.replace(_STILL, " in still water").replace("_", " ")),
-            "value": _value(name, value, unit) + ("" if ratio is None else f" ({number(ratio, 3)} L)"),
+            "value": _value(measures, name, value, unit) + ("" if ratio is None else f" ({number(ratio, 3)} L)"),
             "meaning": sentence(meaning),
             "remark": sentence(reason) if reason else "",
         }
 
 
-def _value(name: str, value: float | None, unit: str) -> str:
+def _value(measures: Measures, name: str, value: float | None, unit: str) -> str:
     if value is None:
         return "not known"
-    # A course is written with three digits, 000 to 359.
-    compass = name in ("course", "drift_direction")
-    shown = f"{round(value, 1) % 360:05.1f}" if compass else measured(value, unit).replace("-", "−")
+    shown = measures.told(name, value, unit).replace("-", "−")
     return shown if unit == "1" else f"{shown} {pretty(unit)}"
 
 

@@ -13,7 +13,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement
 from shipid.declaration.units import pretty
-from shipid.foundation.numbers import fixed, given, number
+from shipid.foundation.numbers import brief, fixed, given, number
 from shipid.report.figures.tuning import design_figures, tuning_figures
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown_field
@@ -98,7 +98,7 @@ def _page(pilot: Autopilot, words: Sequence[str], warnings: Sequence[str], secti
 
 def _what(pilot: Autopilot) -> str:
     first, last = pilot.speeds[0], pilot.speeds[-1]
-    speeds = f"{first:.3g} to {last:.3g} m/s" if len(pilot.speeds) > 1 else f"{first:.3g} m/s"
+    speeds = f"{brief(first)} to {brief(last)} m/s" if len(pilot.speeds) > 1 else f"{brief(first)} m/s"
     kind = "heading" if pilot.mode == "course" else "rate-of-turn"
     return f"A {kind} autopilot for {pilot.ship.name} from {speeds}: {_DESIGNS[pilot.design]}."
 
@@ -116,7 +116,7 @@ def answer(judged: Judgement) -> list[str]:
     own = [s for s in judged.steps if s.change_deg == SAMPLE_CHANGE and abs(s.speed - pilot.service_speed) < 1e-6]
     if own and own[0].overshoot_deg is not None and own[0].settling_s is not None:
         sentences.append(
-            f"A course change of {SAMPLE_CHANGE:.0f} degrees at {own[0].speed:.3g} m/s settles in {own[0].settling_s:.0f} s with "
+            f"A course change of {SAMPLE_CHANGE:.0f} degrees at {brief(own[0].speed)} m/s settles in {own[0].settling_s:.0f} s with "
             f"an overshoot of {fixed(own[0].overshoot_deg, 1)} degrees."
         )
     sentences.append(
@@ -130,12 +130,12 @@ def answer(judged: Judgement) -> list[str]:
             below = f", below {limit:g}" if robust.disk_worst < limit else ""
             sentences.append(
                 f"Over {robust.samples} ships drawn from {robust.source}{load}, the disk margin is never less than "
-                f"{robust.disk_worst:.2g}{below}."
+                f"{brief(robust.disk_worst)}{below}."
             )
         else:
             sentences.append(
                 f"The margins under the uncertainty of the ship{load} are not known; the least disk margin of the nominal ship "
-                f"is {robust.disk_worst:.2g}" + (f", below {limit:g}." if robust.disk_worst < limit else ".")
+                f"is {brief(robust.disk_worst)}" + (f", below {limit:g}." if robust.disk_worst < limit else ".")
             )
     return sentences
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from shipid.foundation.numbers import brief
 from shipid.trials import columns as headers
 from shipid.trials.errors import ClockError, TrialError
 from shipid.trials.logs.clocks import course
@@ -206,7 +207,7 @@ def _check_days(table: Mapping[str, pd.Series], where: str) -> None:
         steps = np.diff(known)
         if known.size > 2 and known.min() > 0 and known.max() < _YEAR and 0 < float(np.median(steps)) < _SHORTEST:
             raise ClockError(
-                f"{where}, column '{header}': from sample to sample the clock goes on by {float(np.median(steps)):.2g}, so its numbers look like "
+                f"{where}, column '{header}': from sample to sample the clock goes on by {brief(float(np.median(steps)), 2)}, so its numbers look like "
                 f"days. Write '{header} [d]', or for days of a year layout = \"day of year\" in [clock] of a format file whose [columns.t] "
                 f"names '{header}' (shipid format drafts one)."
             )

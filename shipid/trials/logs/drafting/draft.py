@@ -12,6 +12,7 @@ import pandas as pd
 
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import MissingFileError
+from shipid.foundation.numbers import brief
 from shipid.trials import columns as spelling
 from shipid.trials.errors import ColumnUnitError, HeaderError, NoTableError, RaggedRowError, TrialError
 from shipid.trials.logs.clocks.headers import NAMES, find_clock, short, unit_of_time
@@ -301,7 +302,7 @@ class _Draft:
         """The values of a column of numbers, for a comment."""
         numbers = pd.to_numeric(self._printed(k), errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         known = numbers[np.isfinite(numbers)]
-        return f"{before}{known.min():.4g} to {known.max():.4g}" if known.size else ""
+        return f"{before}{brief(known.min(), 4)} to {brief(known.max(), 4)}" if known.size else ""
 
 
 def _unit_line(field: str, unit: str | None, why: str, wrong: str = "") -> str:

@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 
 from shipid.declaration import units
+from shipid.foundation.numbers import brief
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.comparison import described
 from shipid.trials.logs.nmea.errors import CalibrationError, NoRudderError, NoSignalError
@@ -168,26 +169,24 @@ def _rudder(
         most = float(abs(number[k]))
         if most > 90:
             raise CalibrationError(
-                f"{log.where}, line {found.lines[k]}: {kind} goes to {number[k]:.4g}, so it is not in degrees (the standard "
+                f"{log.where}, line {found.lines[k]}: {kind} goes to {brief(number[k], 4)}, so it is not in degrees (the standard "
                 f"leaves its unit open). State scale and offset in {table} of a format file, as in scale = '0.1 deg'."
             )
         note += ", read as degrees (the standard leaves the unit open; no calibration is stated)"
         if most > _USUAL_RUDDER:
             more.append(
-                f"WARNING: {kind} goes to {number[k]:.4g}, which is much for degrees of rudder. Compare with the stops, and "
+                f"WARNING: {kind} goes to {brief(number[k], 4)}, which is much for degrees of rudder. Compare with the stops, and "
                 f"state scale in {table} of a format file."
             )
     angle = calibration.sign * (calibration.scale * number + calibration.offset)
     if calibration.stated and (most := float(np.abs(angle).max())) > 90 * _DEG:
         raise CalibrationError(
-            f"{log.where}: by the calibration in {table} of the format file the rudder goes to {most / _DEG:.4g} deg. Correct "
-            f"the scale: the largest {kind} is {np.abs(number).max():.4g}."
+            f"{log.where}: by the calibration in {table} of the format file the rudder goes to {brief(most / _DEG, 4)} deg. Correct "
+            f"the scale: the largest {kind} is {brief(np.abs(number).max(), 4)}."
         )
     if calibration != Calibration(use=calibration.use):
         turned = "-" if calibration.sign < 0 else ""
-        note += (
-            f", calibrated: {turned}({calibration.scale / _DEG:.6g} deg × {kind} {calibration.offset / _DEG:+.4g} deg)"
-        )
+        note += f", calibrated: {turned}({brief(calibration.scale / _DEG, 6)} deg × {kind} {calibration.offset / _DEG:+.4g} deg)"
     return Signal(name, found.t, angle[:, None], (note + ".", *more))
 
 
@@ -216,13 +215,13 @@ def _side(
     if moves[still] < _STILL and moves[alive] > _MOVES:
         at = float(np.median((starboard if still == "starboard" else port).values)) * degrees
         note = (
-            f"WARNING: the {still} rudder of {kind} stands still at {at:.3g} deg while the {alive} one moves over {moves[alive]:.3g} "
+            f"WARNING: the {still} rudder of {kind} stands still at {brief(at)} deg while the {alive} one moves over {brief(moves[alive])} "
             f"deg: {name} is that of the {alive} rudder, as use = '{alive}' in {table} of a format file says it. Check the "
             f"{still} sensor."
         )
         return found[alive], alive, [note]
     apart = float(np.mean(np.abs(starboard.values[:, 0] - np.interp(starboard.t, port.t, port.values[:, 0])))) * degrees
-    more = f"{name}: the port rudder is logged too, and differs by {apart:.2g} deg on average; use = 'port' in {table} takes it."
+    more = f"{name}: the port rudder is logged too, and differs by {brief(apart, 2)} deg on average; use = 'port' in {table} takes it."
     return starboard, "starboard", [("WARNING: " if apart > _APART else "") + more]
 
 

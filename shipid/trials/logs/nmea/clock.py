@@ -106,7 +106,7 @@ def _unrolled(seconds: np.ndarray) -> tuple[np.ndarray, int]:
 
 def _jumped(log: NmeaLog, before: int, after: int, back: float, what: str) -> ClockError:
     return ClockError(
-        f"{log.where}, line {log.numbers[after]}: the clock jumps back by {back:.4g} s against line "
+        f"{log.where}, line {log.numbers[after]}: the clock jumps back by {brief(back, 4)} s against line "
         f"{log.numbers[before]} ({what}). Cut the log there and read the parts one by one, or correct the stamps."
     )
 

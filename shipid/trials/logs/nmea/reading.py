@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted, moment
 from shipid.trials import checks
 from shipid.trials.errors import LooksLikeDegreesError
 from shipid.trials.filling import interpolated
@@ -73,7 +73,7 @@ def read_nmea(file: Path, fmt: NmeaFormat, part: str | None = None) -> tuple[Len
     left_out: list[str] = []
     if fmt.step is not None:
         signals, left_out = _resampled(signals, fmt.step, fmt.gap, log.where)
-        notes[0] = f"{standard}, resampled to {fmt.step:.4g} s by linear interpolation."
+        notes[0] = f"{standard}, resampled to {brief(fmt.step, 4)} s by linear interpolation."
     t, columns, rule = united(_channels(signals, fmt))
     columns = {"t": t} | columns
     # Sentences count in degrees, and so does what is said of these columns.
@@ -113,7 +113,7 @@ def _resampled(
     leading = leading or [max(signals, key=lambda name: len(signals[name].t))]
     t, found, left_out = resample(signals, leading, step, gap)
     if len(t) < 2:
-        ends = "; ".join(f"{n} from {signals[n].t[0]:.4g} to {signals[n].t[-1]:.4g} s" for n in leading)
+        ends = "; ".join(f"{n} from {moment(signals[n].t[0])} to {moment(signals[n].t[-1])} s" for n in leading)
         raise NoOverlapError(
             f"{where}: {' and '.join(leading)} are nowhere known together ({ends}). Leave out interval in [nmea] of the format "
             "file, so that each signal keeps its own clock; or a longer gap lets sparse sentences be interpolated."

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.trials.logs.nmea.errors import NoSuchSourceError
 from shipid.trials.logs.nmea.log import NmeaLog, Origin
 from shipid.trials.logs.nmea.settings import NmeaFormat
@@ -62,7 +63,7 @@ class SignalSource:
         else:
             text = f"{kind} of talker {talker}" if talker else f"{kind} without a talker"
             text += f" (stream {stream})" if stream else ""
-        text += f", {len(self.t)} values, {1 / self.interval:.3g} a second"
+        text += f", {len(self.t)} values, {brief(1 / self.interval)} a second"
         if self.rejected:
             text += f", {self.rejected} rejected (empty or not valid)"
         if self.repeated:

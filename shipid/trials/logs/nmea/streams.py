@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import median_filter
 
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
 
@@ -138,7 +138,7 @@ def devices_of(kind: str, records: Records, times: np.ndarray) -> tuple[np.ndarr
     size = np.linalg.norm(step, axis=1)
     labels = np.zeros(len(valid), dtype=int)
     labels[valid] = found
-    return labels, f"{float(np.median(size[np.diff(found) != 0])):.2g} {unit}"
+    return labels, f"{brief(float(np.median(size[np.diff(found) != 0])), 2)} {unit}"
 
 
 def _steps(t: np.ndarray, values: np.ndarray) -> np.ndarray:

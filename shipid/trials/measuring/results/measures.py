@@ -202,15 +202,27 @@ class Measures(DrawnResult):
             lines.append(f"  {row[0]:<9s}{''.join(cells)}".translate(_PLAIN))
         return lines
 
+    def told(self, name: str, value: float, unit: str) -> str:
+        """Return one number of a quantity as a terminal and a page print it, without its unit, an ASCII minus sign.
+
+        Parameters
+        ----------
+        name : str
+            Of the quantity.
+        value : float
+            In the unit shown.
+        unit : str
+            That unit.
+        """
+        # Three digits, as a course is spoken: 359.98 deg is 000.0 deg.
+        return f"{round(value, 1) % 360:05.1f}" if name in _AROUND_COMPASS else measured(value, unit)
+
     def _shown(self, name: str, value: Plain, unit: str) -> str:
         tail = "" if unit == "1" else " " + pretty(unit)
         if value is None:
             return f"not known: {self.reasons[name]}"
-        if name in _AROUND_COMPASS:
-            # Three digits, as a course is spoken: 359.98 deg is 000 deg.
-            return f"{round(value) % 360:03d}{tail}" if abs(value - round(value)) < 0.05 else f"{value:05.1f}{tail}"
         if not isinstance(value, tuple):
-            return f"{measured(value, unit)}{tail}"
+            return f"{self.told(name, value, unit)}{tail}"
         numbers = [
             measured(v, unit) if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
             for k, v in enumerate(value, start=1)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from shipid.declaration.vocabulary import to_display
+from shipid.foundation.numbers import last_place
 from shipid.trials.measuring.results.measures import Measures, quantity, words
 
 
@@ -63,6 +65,21 @@ class TurningCircle(Measures):
     steady_diameter_ratio: float | None = quantity("1", "steady turning diameter in ship lengths")
     speed_loss: float | None = quantity("1", "share of the approach speed lost in the steady turn")
     pull_out_rate: float | None = quantity("rad/s", "rate of turn left after the pull-out, to starboard")
+
+    def told(self, name: str, value: float, unit: str) -> str:
+        """Return one number as `Measures.told` does; the drift has the digits that its uncertainty allows.
+
+        Parameters
+        ----------
+        name, value, unit
+            As there.
+        """
+        within = self.drift_uncertainty
+        if name in ("drift_speed", "drift_uncertainty") and within is not None and within > 0:
+            place = last_place(float(to_display(within, name, "m/s")))
+            return f"{round(value, place) + 0.0:.{max(0, place)}f}"
+        # Of no circle is the direction known to a degree.
+        return f"{round(value) % 360:03d}" if name == "drift_direction" else super().told(name, value, unit)
 
     @property
     def title(self) -> str:

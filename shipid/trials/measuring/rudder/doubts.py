@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import moment
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.channel import Channel
@@ -104,7 +105,7 @@ def left_out(channel: Channel) -> list[str]:
     """
     if not channel.spikes:
         return []
-    times = ", ".join(f"{when:.5g}" for when in channel.spikes[:3]) + (", ..." if len(channel.spikes) > 3 else "")
+    times = ", ".join(moment(when) for when in channel.spikes[:3]) + (", ..." if len(channel.spikes) > 3 else "")
     return [f"{len(channel.spikes)} single wild samples of {channel.name} are left out (at {times} s)"]
 
 

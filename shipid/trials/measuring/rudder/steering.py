@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
 from shipid.trials.errors import UnknownColumnError
 from shipid.trials.filling import GAP, usual_interval
 from shipid.trials.holding import between_knots, repeats_of
@@ -76,11 +77,11 @@ class Steering:
         if self.logged:
             ramp = "between two samples, the ramp of the rudder"
             where = "the middle of the interval of its step" if self.rate is None else ramp
-            return f"the order, as logged every {self.channel.interval:.3g} s ({where})"
+            return f"the order, as logged every {brief(self.channel.interval)} s ({where})"
         why = self.doubt or "the order is not logged"
         if self.rate is None:
             return (
-                f"the step of the rudder, recorded every {self.channel.interval:.3g} s (the middle of the interval of "
+                f"the step of the rudder, recorded every {brief(self.channel.interval)} s (the middle of the interval of "
                 f"the step); {why}"
             )
         return f"the ramp of the rudder ({angle(self.rate, 3)}/s), extended back to the plate it leaves; {why}"

@@ -55,10 +55,10 @@ def examine_clock_scale(p: WorkingCopy, scale: float, std: float) -> bool:
     speeds = ",".join(c for c in ("U", "u", "SOG") if p.has(c))
     p.add(
         "clock-scale", "t", _PROPOSED,
-        f"the heading changes {scale:.4g} times as fast as r says, and the positions move {along:.4g} times as fast as "
-        f"{speeds}: one factor for both, so that the clock runs {1 / scale:.4g} times as fast as it should",
+        f"the heading changes {brief(scale, 4)} times as fast as r says, and the positions move {brief(along, 4)} times as fast as "
+        f"{speeds}: one factor for both, so that the clock runs {brief(1 / scale, 4)} times as fast as it should",
         "Times, time constants and every rate that is derived from heading or positions come out wrong by this factor.",
-        f"Find out how the record was sampled. If r and {speeds} are right, multiply t by {scale:.4g}; scale neither of them.",
+        f"Find out how the record was sampled. If r and {speeds} are right, multiply t by {brief(scale, 4)}; scale neither of them.",
         fix={"action": "scale", "column": "t", "factor": float(scale)},
     )  # fmt: skip
     return True

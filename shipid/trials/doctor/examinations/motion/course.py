@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.numbers import brief
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.way import VectorFit, Way, vector_fit, way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -93,7 +94,7 @@ def _speed_stands(p: WorkingCopy, way: Way, ahead: np.ndarray) -> bool:
     # A ship that drifts with the current makes way, too, but not the way its heading points.
     p.add(
         "speed-stands", ",".join(names), 0.97 if along > 0.5 and _varied(p, way) else 0.7,
-        f"{names[0]} stands near {said:.2g} m/s while the track makes {made:.3g} m/s",
+        f"{names[0]} stands near {brief(said, 2)} m/s while the track makes {brief(made)} m/s",
         "Everything that is made dimensionless with the speed, the rudder's force first, is meaningless.",
         "Leave the speed out, or find the column that holds it: the log was not working, or was switched off.",
     )  # fmt: skip
@@ -103,7 +104,7 @@ def _speed_stands(p: WorkingCopy, way: Way, ahead: np.ndarray) -> bool:
 def _mirrored(p: WorkingCopy, names: str, fit: VectorFit, ratio: float) -> None:
     sure = robust.confidence_of(ratio, 1.4, 3.0)
     turn = float(np.degrees(np.angle(fit.factor)))
-    agree = f"the lengths agree within {100 * abs(abs(fit.factor) - 1):.2g} %"
+    agree = f"the lengths agree within {brief(100 * abs(abs(fit.factor) - 1), 2)} %"
     effect = "The ship seems to sail to one side of its heading, or astern: tracks, drift, currents and sway come out wrong, and a " \
         "fit to positions means nothing."  # fmt: skip
     if names == "x,y" and abs(turn - 90) < 8:
@@ -160,7 +161,7 @@ def _turned(p: WorkingCopy, names: str, way: Way, fit: VectorFit, varied: bool, 
     p.add(
         "track-direction", names, robust.confidence_of(abs(turn) / limit, 0.9, 1.5),
         f"the track is turned by {angle(abs(turn), 3)} to {side} of the heading throughout, and its length is "
-        f"{abs(fit.factor):.4g} times what the speed says",
+        f"{brief(abs(fit.factor), 4)} times what the speed says",
         "The ship seems to slip sideways all the time: drift, currents and sway come out wrong.",
         "Find out whether positions or compass are turned: axes that are not north and east, or an error of the compass. The "
         "speed is judged by the length of the track.", spoils=abs(turn) > _HARMFUL,

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import counted, moment
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.clock_scale import clock_factor
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -160,7 +160,7 @@ def examine_heading_step(p: WorkingCopy) -> None:
     p.add(
         "heading-step", "psi", robust.confidence_of(float(np.abs(off[largest])) / limit, 0.9, 1.5),
         f"the heading is set to another value {len(found)} time{'s' * (len(found) > 1)}, by {angle(float(off[largest]), 3)} at "
-        f"{t[largest + 1]:.6g} s within a sample, and goes on from there",
+        f"{moment(t[largest + 1])} s within a sample, and goes on from there",
         "Headings on either side cannot be compared: an overshoot or an advance across it is wrong by as much, and so are "
         "residuals.",
         "Use the stretches on either side (FILE@A:B), or another source of the heading.", at=index[np.array(found) + 1],

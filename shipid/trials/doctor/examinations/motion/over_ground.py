@@ -66,13 +66,13 @@ def _unit_of_speed(p: WorkingCopy) -> None:
         if abs(np.log(factor)) > _OFF:
             p.add(
                 "speed-scale", "SOG", robust.confidence_of(abs(np.log(factor)) / _OFF, 0.5, 1.5),
-                f"the positions move {factor:.4g} times as fast as SOG says, and no current comes between the two",
+                f"the positions move {brief(factor, 4)} times as fast as SOG says, and no current comes between the two",
                 "Every speed and distance that is read from it is off by this factor.",
                 "Find out where it comes from; the speed over ground follows from the positions.",
             )  # fmt: skip
         return
     applied = p.add(
-        "unit", "SOG", 0.95, f"the positions move {factor:.4g} times as fast as SOG says: SOG is {unit}",
+        "unit", "SOG", 0.95, f"the positions move {brief(factor, 4)} times as fast as SOG says: SOG is {unit}",
         "Every speed and distance that is read from it is off by this factor.",
         f"Multiply SOG by {exact:.6g}, or write its true unit in the header.",
         fix={"action": "scale", "column": "SOG", "factor": float(exact)},

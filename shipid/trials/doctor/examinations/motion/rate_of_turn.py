@@ -172,7 +172,7 @@ def examine_rate(p: WorkingCopy) -> None:
             "rate-scale",
             "r",
             robust.confidence_of(off / limit, 1, 2),
-            f"the heading changes {scale:.4g} times as fast as r says",
+            f"the heading changes {brief(scale, 4)} times as fast as r says",
             "Gain and damping scale with the rate; heading and rate cannot both be fitted.",
             f"Multiply r by {scale:.4g}: the heading is read from a compass card, the rate from a calibration.",
             fix={"action": "scale", "column": "r", "factor": scale},
@@ -229,7 +229,7 @@ def _unit(p: WorkingCopy, scale: float, clock: float | None) -> None:
     value = (1 / factor if name == "psi" else factor) if exact else (1 / scale if name == "psi" else scale)
     p.add(
         "unit", name, 0.97 if exact else 0.85,
-        f"the heading changes {scale:.4g} times as fast as r says: {name} says {said} and is "
+        f"the heading changes {brief(scale, 4)} times as fast as r says: {name} says {said} and is "
         + (real if exact else "something else"),
         "Gains come out wrong by the same factor, nonlinear damping by its square; the rudder seems to have no "
         "effect, or far too much.",
@@ -294,7 +294,7 @@ def examine_lag(p: WorkingCopy) -> None:
             f"r differs from the slope of the heading by {shown(drift, 'r')} throughout (gyro bias)",
             "The model takes the bias for a rudder that is not amidships: the neutral angle and the damping of slow "
             "turns come out wrong.",
-            f"Add {drift:.4g} rad/s to r, or estimate a bias of r in each trial.",
+            f"Add {shown(drift, 'r')} to r, or estimate a bias of r in each trial.",
             fix={"action": "add", "column": "r", "value": drift}, spoils=abs(drift) > 0.1 * high,
         )  # fmt: skip
         p["r"] = p["r"] + drift

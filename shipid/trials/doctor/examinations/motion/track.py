@@ -89,7 +89,7 @@ def _jumps(p: WorkingCopy) -> None:
         total = float(np.sum(step[far]))
         p.add(
             "position-jump", "x,y", robust.confidence_of(float(np.max(step[far] / (fast[far] + 4 * rough))), 2, 4),
-            f"the positions jump {counted(len(far), 'time')}, by {total:.4g} m together, farther than the ship can sail",
+            f"the positions jump {counted(len(far), 'time')}, by {brief(total, 4)} m together, farther than the ship can sail",
             "The position fix was lost for a while, or its clock lagged: tracks and speeds from positions are wrong there.",
             "Fit heading, rate and speed, and leave the positions out around the jump.", at=far, spoils=False,
         )  # fmt: skip
@@ -321,7 +321,7 @@ def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, gr
     causes += ["a clock that runs at another speed"] if clock else []
     applied = p.add(
         "unit" if unit else "speed-scale", names, sure if unit or (told and not clock) else min(sure, 0.85),
-        f"the positions move {fit.scale:.4g} times as fast as the speeds say{knots}"
+        f"the positions move {brief(fit.scale, 4)} times as fast as the speeds say{knots}"
         + (f": {names} are {unit}" if unit else f": a factor, or {' or '.join(causes)}" if causes else ""),
         "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
         "square.",
@@ -343,7 +343,7 @@ def _units_of_positions(p: WorkingCopy, names: str, fit: _Fit) -> bool:
     if not unit:
         return False
     applied = p.add(
-        "unit", "x,y", 0.95, f"the positions move {fit.scale:.4g} times as fast as {names} says: x and y are in {unit}",
+        "unit", "x,y", 0.95, f"the positions move {brief(fit.scale, 4)} times as fast as {names} says: x and y are in {unit}",
         "Advance, transfer and tactical diameter come out wrong by this factor, and so does every speed that is derived from the positions.",
         f"Multiply x and y by {metres:g}, or write their true unit in the header.",
         fix={"action": "scale", "column": "x,y", "factor": metres},

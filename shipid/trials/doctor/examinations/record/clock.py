@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from shipid.foundation.numbers import brief, counted, percent
+from shipid.foundation.numbers import brief, counted, moment, percent
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.record.clock_set import examine_clock_set
@@ -138,7 +138,7 @@ def _quantised(p: WorkingCopy) -> bool:
     fix = {"action": "rebuild-clock", "interval": float(slope), "start": float(start)}
     p.add(
         "clock-quantised", "t", 0.95,
-        f"the clock is printed in steps of {q:g} s where samples come every {slope:.6g} s{worth}",
+        f"the clock is printed in steps of {q:g} s where samples come every {brief(slope, 6)} s{worth}",
         f"{_WRONG_RATES} Where the clock stands still, nothing can be identified at all.",
         f"Rebuild it as n × {slope:.6g} s; in a format file: [clock] interval = '{slope:.6g} s'.",
         at=np.flatnonzero(np.abs(d - slope) > 0.05 * slope), fix=fix,
@@ -174,7 +174,7 @@ def _jitter(p: WorkingCopy) -> None:
     if smoother[0] > _SMOOTHER:
         p.add(
             "clock-jitter", "t", robust.confidence_of(smoother[0], 1.1, 1.8),
-            f"the stamps scatter by {brief(scatter, 2)} s about a clock that ticks every {interval:.4g} s, and {smoother[1]} is {brief(smoother[0], 2)} times "
+            f"the stamps scatter by {brief(scatter, 2)} s about a clock that ticks every {brief(interval, 4)} s, and {smoother[1]} is {brief(smoother[0], 2)} times "
             "as smooth by that clock",
             f"{_WRONG_RATES} A heading is off by the rate of turn times the scatter.",
             f"Rebuild the clock as n × {interval:.6g} s; in a format file: [clock] interval = '{interval:.6g} s'.",
@@ -274,7 +274,7 @@ def _gaps(p: WorkingCopy) -> None:
     )
     p.add(
         "gap", "t", robust.confidence_of(float(d[longest]) / limit, 0.8, 2.2),
-        f"{counted(len(found), 'gap')}, about {counted(lost, 'sample')} missing, the longest {d[longest]:.4g} s from {p.t[longest]:.6g} s{meanwhile}",
+        f"{counted(len(found), 'gap')}, about {counted(lost, 'sample')} missing, the longest {brief(d[longest], 4)} s from {moment(p.t[longest])} s{meanwhile}",
         "What ship and rudder did meanwhile is unknown: nothing is measured across a gap, and no simulation runs through it.",
         "Use the stretches on either side (FILE@A:B).", at=np.unique(np.r_[found, found + 1]),
         spoils=missed > 0.05 or share > 0.3,

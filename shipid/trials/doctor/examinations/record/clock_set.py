@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.foundation.numbers import moment
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -42,7 +43,7 @@ def examine_clock_set(p: WorkingCopy) -> None:
     times = "once" if len(found) == 1 else f"{len(found)} times"
     p.add(
         "clock-set", "t", 0.95,
-        f"the clock jumps {times}, by {largest:+.4g} s at {p.t[found[0]]:.6g} s, and the ship goes on as if no time had passed: it was set "
+        f"the clock jumps {times}, by {largest:+.4g} s at {moment(p.t[found[0]])} s, and the ship goes on as if no time had passed: it was set "
         "(summer time, or a correction)",
         "Times behind the jump, periods and rates across it are wrong; a jump on looks like a gap, a jump back mixes the rows.",
         "Take the jump out of the stamps behind it, or log in UTC.",

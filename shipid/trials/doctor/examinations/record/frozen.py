@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -52,7 +53,7 @@ def _drawn(p: WorkingCopy, name: str) -> None:
     a, b = max(lines, key=lambda line: line[1] - line[0])
     p.add(
         "frozen", name, 0.95,
-        f"{name} lies on one straight line for {b - a + 1} samples ({p.t[index[b]] - p.t[index[a]]:.4g} s) and scatters elsewhere: the line "
+        f"{name} lies on one straight line for {b - a + 1} samples ({brief(p.t[index[b]] - p.t[index[a]], 4)} s) and scatters elsewhere: the line "
         "was drawn across a gap",
         "The model is fitted to a motion that was not measured: peaks are cut off, and executes are not where they seem.",
         "The motion meanwhile is unknown: identify from the stretches on either side.",
@@ -92,7 +93,7 @@ def _frozen(p: WorkingCopy, names: tuple[str, ...]) -> None:
             often = "" if len(found) == 1 else f" {len(found)} times, here"
             p.add(
                 "frozen", name, robust.confidence_of(missed, 1, 3),
-                f"{name} stands at one value{often} for {held[k, 1] - held[k, 0] + 1} samples ({t[b] - t[a]:.4g} s) while the ship moves",
+                f"{name} stands at one value{often} for {held[k, 1] - held[k, 0] + 1} samples ({brief(t[b] - t[a], 4)} s) while the ship moves",
                 "The model is fitted to a standstill that did not happen: the gain comes out too small and the time "
                 "constant too long.",
                 "The motion meanwhile is unknown: identify from the stretches on either side.",

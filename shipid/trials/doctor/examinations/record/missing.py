@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, moment, percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.filling import GAP
@@ -77,7 +77,7 @@ def _missing(p: WorkingCopy, name: str) -> None:
         if share > 0.002:
             p.add(
                 "missing", name, robust.confidence_of(share, 0.0, 0.004),
-                f"{percent(share, 1)} of the samples of {name} are missing, never more than {lengths.max():.4g} s on end",
+                f"{percent(share, 1)} of the samples of {name} are missing, never more than {brief(lengths.max(), 4)} s on end",
                 "There are fewer residuals, and none at these samples: nothing is biased by it.",
                 "None needed: a missing sample stays missing.", at=np.flatnonzero(p.missing[name]),
                 spoils=share > 1 - _MANY,
@@ -92,8 +92,8 @@ def _missing(p: WorkingCopy, name: str) -> None:
     )
     p.add(
         "hole", name, robust.confidence_of(float(lengths[k]) / (GAP * usual), 0.8, 1.6),
-        f"{name} is silent {len(holes)} time{'s' * (len(holes) > 1)}, the longest from {times[k]:.6g} to {times[k + 1]:.6g} s"
-        f" ({lengths[k]:.4g} s, usually {usual:.4g} s); {percent(share, 1)} of its samples are missing{over}"
+        f"{name} is silent {len(holes)} time{'s' * (len(holes) > 1)}, the longest from {moment(times[k])} to {moment(times[k + 1])} s"
+        f" ({brief(lengths[k], 4)} s, usually {brief(usual, 4)} s); {percent(share, 1)} of its samples are missing{over}"
         + ("" if reach > 0 else "; it never changes"),
         "What it did meanwhile is unknown: an extreme there is not measured"
         + (", and a simulation cannot be run through it." if name in ("delta", "delta_order") else "."),

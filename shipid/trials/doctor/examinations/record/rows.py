@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.numbers import counted
+from shipid.foundation.numbers import brief, counted
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.missing_marks import LARGEST
 
@@ -115,7 +115,7 @@ def _unstamped(p: WorkingCopy) -> None:
     applied = p.add(
         "no-time", "t", 0.97 if even else 0.99, f"{counted(int(lost.sum()), 'row has', 'rows have')} samples and no time",
         "The time of these rows is unknown.",
-        f"Give them the time between their neighbours: samples come every {usual:.4g} s." if even
+        f"Give them the time between their neighbours: samples come every {brief(usual, 4)} s." if even
         else "Complete the clock or remove the rows; in a format file: [clock] interval.",
         at=np.flatnonzero(lost), fix={"action": "fill-stamps"} if even else None,
     )  # fmt: skip

@@ -192,7 +192,7 @@ def examine_sampling(p: WorkingCopy) -> None:
             known = "" if p.length is not None else " (estimated from the executes)"
             p.add(
                 "coarse-sampling", "t", robust.confidence_of(dt / limit, 0.9, 2.0),
-                f"samples come every {dt:.4g} s, and the ship takes {unit:.4g} s for its own length{known}: fewer than five",
+                f"samples come every {brief(dt, 4)} s, and the ship takes {brief(unit, 4)} s for its own length{known}: fewer than five",
                 "The moment of the execute is known to half an interval only; rudder ramps and the rise of the rate fall "
                 "between samples, so that time constants are uncertain by as much.",
                 "Log faster; from this record identify gains, not time constants.", spoils=dt > 3 * limit,
@@ -246,7 +246,7 @@ def examine_length(p: WorkingCopy) -> None:
     begins = "its beginning, with the rudder over," if first < 3 else "the first execute,"
     p.add(
         "short", "t", 0.9 if reversals == 0 else 0.7,
-        f"the record ends {p.t[-1] - p.t[first]:.4g} s after {begins} {angle(turned, 3)} into the turn"
+        f"the record ends {brief(p.t[-1] - p.t[first], 4)} s after {begins} {angle(turned, 3)} into the turn"
         + (" and after one reversal" if reversals else ""),
         "Gain and time constant cannot be told apart from the beginning of a response: only their ratio is seen.",
         "Use a longer record: two reversals of a zig-zag, or a quarter of a turn.", spoils=reversals == 0,

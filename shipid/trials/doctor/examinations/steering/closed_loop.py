@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import brief, percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.delay import answer_to
 from shipid.trials.doctor.examinations.steering.filtered import Signals, filtered, regular_signals, settled, squares
@@ -59,7 +59,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
     disturbed = answer.explained < _DETERMINED
     p.add(
         "closed-loop", name, robust.confidence_of(share, 0.35, 0.65),
-        f"the rudder follows the heading (about {stiffness:.2g} deg a degree off course and {damping:.2g} deg per deg/s): an autopilot "
+        f"the rudder follows the heading (about {brief(stiffness, 2)} deg a degree off course and {brief(damping, 2)} deg per deg/s): an autopilot "
         f"steers, and the rudder explains {'only ' if disturbed else ''}{percent(max(answer.explained, 0))} of the turning; the rest is "
         "disturbance that the rudder reacts to, or what a simple model of the ship leaves out",
         "Output error is biased: rudder and disturbance are correlated, the gain comes out far too small or with the wrong sign, "

@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.numbers import brief, moment
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.findings import Stretch
@@ -40,10 +41,10 @@ def examine_start(p: WorkingCopy) -> None:
     p.add(
         "accelerating", "u" if p.has("u") else "U" if p.has("U") else "x,y",
         robust.confidence_of(gain / max(float(calm[top]), 1e-12), 0.2, 0.5),
-        f"the ship gathers speed from {early:.3g} to {calm[top]:.3g} m/s during the first {p.t[settled] - p.t[0]:.4g} s",
+        f"the ship gathers speed from {brief(early)} to {brief(calm[top])} m/s during the first {brief(p.t[settled] - p.t[0], 4)} s",
         "The force of the rudder grows with the square of the speed: a model at constant speed explains the slow beginning "
         "by a small gain and a long time constant.",
-        f"Begin at {p.t[settled]:.5g} s (FILE@{p.t[settled]:.5g}:), or fit a model with a surge equation and the propeller.",
+        f"Begin at {moment(p.t[settled])} s (FILE@{moment(p.t[settled])}:), or fit a model with a surge equation and the propeller.",
         at=np.arange(settled + 1), spoils=False,
     )  # fmt: skip
 
@@ -121,7 +122,7 @@ def _sides(p: WorkingCopy, name: str, inside: np.ndarray) -> None:
         if size > limit:
             p.add(
                 "asymmetric", "r,psi", robust.confidence_of(size / limit, 1, 2.5),
-                f"the {what} to one side are {200 * size / mean:.3g} % larger than to the other",
+                f"the {what} to one side are {brief(200 * size / mean)} % larger than to the other",
                 "A symmetrical model averages the two sides and misses both: by half the difference in every swing.",
                 "Estimate a rudder bias, sail both sides, and fit them together.", at=inside, spoils=False,
             )  # fmt: skip

@@ -6,6 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from shipid.declaration.vocabulary import angle, shown
+from shipid.foundation.numbers import brief
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -274,7 +275,7 @@ def _order_early(p: WorkingCopy, known: np.ndarray) -> None:
     if lag is not None and lag > limit:
         p.add(
             "order-early", "delta_order", robust.confidence_of(lag / limit, 0.8, 1.6),
-            f"the rudder sets out {lag:.3g} s after delta_order: the steering gear has a dead time, or the order is stamped early",
+            f"the rudder sets out {brief(lag)} s after delta_order: the steering gear has a dead time, or the order is stamped early",
             "Overshoots counted from the order are too large, by the heading turned in that time, if the stamps are wrong; the time is taken "
             "for the ship's where a model is steered by the order.",
             f"Find out which it is; shift delta_order by {lag:+.3g} s if its stamps are early.",

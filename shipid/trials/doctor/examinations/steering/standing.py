@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from shipid.foundation.numbers import brief
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -66,7 +67,7 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
     )
     p.add(
         "frozen", name, 0.95,
-        f"{name} stands at one value{often} for {longest:.4g} s while the rudder moves: {why}",
+        f"{name} stands at one value{often} for {brief(longest, 4)} s while the rudder moves: {why}",
         "The model is fitted to a rudder that did not stand: gain and time constant come out wrong, and executes in there are not seen.",
         "What the rudder did meanwhile is unknown: use the stretches on either side (FILE@A:B), or the order if it is logged.",
         at=np.concatenate([index[a : b + 1] for a, b in found]),

@@ -1,0 +1,37 @@
+"""A measured track beside predicted ones: calm, with the positions as logged faint beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import shipid
+from shipid.identification.validation.comparison import Comparison
+from shipid.report.figures.comparisons import track_drawing
+from shipid.trials.manoeuvres.manoeuvre import Manoeuvre
+from shipid.trials.trial import Trial
+
+
+def _drawn(trial: Trial):
+    comparison = Comparison(trial, {"x": trial["x"], "y": trial["y"]}, {}, shipid.measure(trial))
+    drawing, _ = track_drawing({"predicted": comparison})
+    return {line.get_label(): line for line in drawing.figure().axes[0].lines}
+
+
+def test_a_measured_track_is_no_band_of_fixes():
+    zigzag = Manoeuvre("zigzag", (np.radians(10.0), np.radians(10.0)))
+    model = shipid.find_model("de-keizer")
+    noisy, true = (
+        shipid.simulate(model, "soesterberg", zigzag, sampling="1 s", noise=noise)
+        for noise in ({"x": "8 m", "y": "8 m"}, None)
+    )
+    lines = _drawn(noisy)
+    assert "position fixes" not in _drawn(true)
+    measured = lines["measured"]
+    assert len(lines["position fixes"].get_xdata()) <= 260
+    length = [
+        np.hypot(np.diff(a), np.diff(b)).sum()
+        for a, b in ((measured.get_xdata(), measured.get_ydata()), (noisy["y"], noisy["x"]))
+    ]
+    sailed = np.hypot(np.diff(true["y"]), np.diff(true["x"])).sum()
+    # Fixes of 8 m at each second make a path nearly twice as long as the ship's.
+    assert length[0] < 1.05 * sailed < length[1]
