@@ -18,8 +18,8 @@ def test_every_command_says_it(call, tmp_path):
     asked = [
         ("simulate", "de-keizer", *ship, "--manoeuvre", "turn:35", "--speed", "5 m/s", "-o", tmp_path / "turn.csv"),
         ("criteria", "de-keizer", *ship, "--speed", "5 m/s"),
-        ("plan", "--model", "de-keizer", *ship, "--time", "30min", "--speed", "5 m/s", "--draws", "0"),
-        ("tune", "de-keizer", *ship, "--speeds", "4:6:1 m/s", "--rudder-limit", "30 deg"),
+        ("plan", "--model", "de-keizer", *ship, "--time", "30min", "--speed", "5 m/s", "--draws", "0", "--repertoire", "zigzag"),
+        ("tune", "de-keizer", *ship, "--speeds", "4:6:1 m/s", "--rudder-limit", "30 deg", "--samples", "0"),
         ("filter", tmp_path / "turn.csv", "--model", "de-keizer", *ship),
         ("filter", tmp_path / "turn.csv", "--model", "nomoto", *ship, "--method", "rls", "--estimate", "K"),
         ("filter", "--follow", tmp_path / "turn.csv", "--wait", "0.1 s", "--model", "nomoto", *ship, *SENSORS),
