@@ -197,7 +197,8 @@ def test_no_message_writes_an_ordinary_number_with_an_exponent():
         for path in sorted(package.rglob("*.py"))
         if (name := path.relative_to(package).as_posix()) not in READ_BY_PROGRAMS
         for k, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
-        # A factor to be typed, and a place on the earth, have their digits; a number that is only rounded is printed elsewhere.
-        if re.search(r":\.[2-6]g\}", line) and not re.search(r"float\(f|Multiply|interval = |n × |scale = ", line)
+        # What is to be typed, and a place on the earth, have their digits; a number that is only rounded is printed elsewhere.
+        if re.search(r":\.[2-6]g\}", line)
+        and not re.search(r"float\(f|Multiply|interval = |n × |scale = |_STATED_BY_USER", line)
     ]
     assert found == []

@@ -386,6 +386,6 @@ def _example(model: Model, name: str, values: Mapping[str, float]) -> str:
     """How a value is stated, with its unit: where a search for it begins, where that is known."""
     # With two speeds: a coefficient that is scaled by the length alone comes out the same.
     start, other = (Scale(values.get("L"), speed).start_of(model[name]) for speed in (1.0, 2.0))
-    value = _STATED_BY_USER if start is None or start != other else f"{brief(start)}"
+    value = _STATED_BY_USER if start is None or start != other else f"{start:.3g}"
     unit = display_unit(name, model[name].unit) if value == _STATED_BY_USER else model[name].unit
     return f"--set '{name}={value}{'' if unit == '1' else f' {pretty(unit)}'}'"

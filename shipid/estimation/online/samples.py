@@ -116,7 +116,7 @@ class SampleReader:
         sample : mapping of str to float
             The sample.
         """
-        return f"its time {moment(sample['t'])} s does not follow the last one, {moment(self.t)} s"
+        return f"its time {sample['t']:.10g} s does not follow the last one, {moment(self.t)} s"
 
     def inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         """Return the inputs that act at a sample, SI, and which of them are missing, shapes (inputs,).
