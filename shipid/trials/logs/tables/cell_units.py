@@ -15,7 +15,8 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnitError
 from shipid.trials import columns as spelling
 from shipid.trials.errors import HeaderError
-from shipid.trials.logs.tables.numerals import MISSING
+from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.tables.numerals import MISSING, Decimal, certain_sign
 from shipid.trials.logs.tables.table import RawTable
 
 _NUMBER = r"[-+\u2212]?(?:[0-9][0-9.,]*|[.,][0-9]+)(?:[eEdD][-+]?[0-9]{1,4})?"
@@ -50,9 +51,48 @@ def unit_of_cell(cell: str) -> str | None:
     cell : str
         The cell: ``12.3 deg``.
     """
+    apart = number_and_unit(cell)
+    return apart[1] if apart else None
+
+
+def number_and_unit(cell: str) -> tuple[str, str] | None:
+    """Return the number of a cell, as it is written, and the unit behind it; None where it is no number with a unit.
+
+    Parameters
+    ----------
+    cell : str
+        The cell: ``12.3 deg``.
+    """
     match = _CELL.fullmatch(cell.strip().strip("\"'").strip()) if len(cell) < 100 else None
     said = match["unit"].strip() if match else ""
-    return said if said and _is_unit(said) else None
+    return (match["number"], said) if match and said and _is_unit(said) else None
+
+
+def same_unit(one: str, other: str) -> bool:
+    """Return whether two texts are one unit, however they are spelt.
+
+    Parameters
+    ----------
+    one, other : str
+        As a logger writes them: ``°``, ``deg``.
+    """
+    try:
+        return bool(units.unit(spelling.spelt(one)) == units.unit(spelling.spelt(other)))
+    except UnitError:
+        return False
+
+
+def stated_units(fmt: TrialFormat | None) -> dict[str | int, str]:
+    """Return the units that a format file states, by header or index.
+
+    Parameters
+    ----------
+    fmt : TrialFormat or None
+        The format.
+    """
+    columns = fmt.columns.values() if fmt else ()
+    places = ((c.column if c.column is not None else c.index, c.unit) for c in columns)
+    return {place: unit for place, unit in places if place is not None and unit}
 
 
 def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
@@ -77,6 +117,7 @@ def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
     """
     columns, beside, notes = list(raw.columns), list(raw.units), list(raw.notes)
     beside += [None] * (len(columns) - len(beside))
+    decimal: Decimal | None = raw.decimal
     for k, column in enumerate(columns):
         if not (column.dtype.kind == "O" or isinstance(column.dtype, pd.StringDtype)):
             continue
@@ -99,7 +140,8 @@ def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
         if said is None:
             beside[k] = unit
         notes.append(f"Column '{name}': each cell says the unit {unit}.")
-    return replace(raw, columns=tuple(columns), units=tuple(beside), notes=tuple(notes))
+        decimal = decimal or next((sign for cell in columns[k].dropna() if (sign := certain_sign(cell))), None)
+    return replace(raw, columns=tuple(columns), units=tuple(beside), notes=tuple(notes), decimal=decimal)
 
 
 class _Conflict(Exception):
@@ -129,7 +171,7 @@ def _split(column: pd.Series, said: str | None) -> tuple[pd.Series, str] | None:
     found = seen.dropna().unique().tolist()
     if not found or not all(map(_is_unit, found)):
         return None
-    other = next((u for u in found if not _same(u, said or found[0])), None)
+    other = next((u for u in found if not same_unit(u, said or found[0])), None)
     if other is not None:
         what = f"and the column {said}" if said else f"and cells above it {found[0]}"
         raise _Conflict(seen.index[seen == other][0], other, what)
@@ -141,9 +183,3 @@ def _split(column: pd.Series, said: str | None) -> tuple[pd.Series, str] | None:
 def _is_plain(cell: str) -> bool:
     return re.fullmatch(_NUMBER, cell.strip()) is not None
 
-
-def _same(one: str, other: str) -> bool:
-    try:
-        return bool(units.unit(spelling.spelt(one)) == units.unit(spelling.spelt(other)))
-    except UnitError:
-        return False
