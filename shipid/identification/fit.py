@@ -27,6 +27,7 @@ from shipid.identification.evidence.explained import (
     unread_wind_notices,
 )
 from shipid.identification.evidence.missing_effect import MissingEffect
+from shipid.identification.evidence.record_doubts import record_notices
 from shipid.identification.fit_text import (
     FIRST,
     band_lines,
@@ -354,6 +355,8 @@ class Fit(DrawnResult):
         found += astern_notices(self.model, self.fitted)
         found += unread_wind_notices(self.model, self.fitted, self.identified.scale.speed)
         found += one_sided_notices([c.trial for c in self.fitted])
+        fitted, predicted = ([c.trial for c in group] for group in (self.fitted, self.validation))
+        found += record_notices(fitted, predicted, self.ship.particular("L", "m"))
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
