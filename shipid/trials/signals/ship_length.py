@@ -54,8 +54,8 @@ def length_notice(trial: Trial, length: float | None) -> Notice | None:
     value = most if most >= _MOST else least
     return Notice(
         f"the length of {brief(length, 3)} m does not fit trial '{trial.name}': a ship of that length does not turn like this at {brief(usual, 3)} "
-        f"m/s. What the rudder does to her rate of turn is {brief(value, 2)} in L and U, and {_SHIPS} for ships. Correct the length or the "
-        "speed, or take the ship of the trial; what is scaled by the length is not to be used.",
+        f"m/s. What the rudder does to her rate of turn is {brief(value, 2)} in L and U, and {_SHIPS} for ships. Check both numbers, "
+        "and whether log and length are both of the ship or both of the model; what is scaled by the length is not to be used.",
         SHIP_LENGTH,
         serious=True,
         trial=trial.name,
