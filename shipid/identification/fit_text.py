@@ -29,7 +29,18 @@ from shipid.parameters.validity import range_words
 from shipid.trials.signals.ship_length import SHIP_LENGTH
 
 #: The kinds of warnings that stand before the coefficients.
-FIRST = (NOT_DETERMINED, MOTION_UNEXPLAINED, EFFECT_MISSING, LASTING, APART, ASTERN, WIND_UNREAD, TRIAL_TWICE, SEEN_BEFORE, SHIP_LENGTH)
+FIRST = (
+    NOT_DETERMINED,
+    MOTION_UNEXPLAINED,
+    EFFECT_MISSING,
+    LASTING,
+    APART,
+    ASTERN,
+    WIND_UNREAD,
+    TRIAL_TWICE,
+    SEEN_BEFORE,
+    SHIP_LENGTH,
+)
 
 
 def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:

@@ -29,7 +29,12 @@ _AMPLITUDES = (
 #: Quantities beyond whose range a band grows.
 _GROWS = ("delta", "r")
 #: Kinds of the notices.
-BEYOND, UNKNOWN, OTHERWISE, WRONG_SIGN = "beyond-what-was-fitted", "range-not-known", "identified-otherwise", "wrong-sign"
+BEYOND, UNKNOWN, OTHERWISE, WRONG_SIGN = (
+    "beyond-what-was-fitted",
+    "range-not-known",
+    "identified-otherwise",
+    "wrong-sign",
+)
 
 
 def range_of(ship: ParameterSet, model: Model) -> tuple[str, Joint] | None:

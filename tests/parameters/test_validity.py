@@ -184,7 +184,9 @@ def test_a_range_that_is_none(tmp_path, entry, says):
     assert says in str(caught.value)
 
 
-@pytest.mark.parametrize(("stated", "says"), [({"K": "-1.6"}, "K is -1.6 in ship"), ({"tau": "-1.7"}, "tau is -1.7 in ship")])
+@pytest.mark.parametrize(
+    ("stated", "says"), [({"K": "-1.6"}, "K is -1.6 in ship"), ({"tau": "-1.7"}, "tau is -1.7 in ship")]
+)
 def test_a_coefficient_of_the_wrong_sign_is_told(stated, says):
     model = find_model("de-keizer")
     own = with_values(find_ship("soesterberg"), stated, (model,))

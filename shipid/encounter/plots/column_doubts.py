@@ -153,7 +153,11 @@ def bearings_possible(raw: RawPlots) -> RawPlots:
         turns = np.abs(columns.get(name, np.zeros(0))) / (2 * np.pi)
         beyond = turns > 1 + _ROUNDING
         # Bearings that are counted on beyond a turn go there step by step.
-        if not beyond.any() or beyond.sum() > _MINORITY * np.isfinite(turns).sum() or (turns[beyond] < _FAR_BEYOND).any():
+        if (
+            not beyond.any()
+            or beyond.sum() > _MINORITY * np.isfinite(turns).sum()
+            or (turns[beyond] < _FAR_BEYOND).any()
+        ):
             continue
         columns[name] = np.where(beyond, np.nan, columns[name])
         told = f"{_many(beyond, 'plot')} with a bearing of {360 * turns[beyond].min():.0f} deg or more left out: it stands for none."

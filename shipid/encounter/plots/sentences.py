@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from shipid.encounter.plots.ais import AisReader
-from shipid.encounter.plots.plots import Sensor
 from shipid.encounter.plots.column_doubts import two_stamps
+from shipid.encounter.plots.plots import Sensor
 from shipid.encounter.plots.raw_plots import RawPlots
 from shipid.encounter.plots.ship_path import FASTEST, STRAY
 from shipid.foundation.notices import Notice
@@ -299,7 +299,9 @@ def _seen_nothing(lost: np.ndarray, t: np.ndarray, period: float | None) -> np.n
     _, first = np.unique(np.floor((lost - lost[0]) / period), return_index=True)
     known = np.sort(t[np.isfinite(t)])
     after = np.searchsorted(known, lost[first]).clip(1, max(known.size - 1, 1))
-    away = np.minimum(np.abs(lost[first] - known[after - 1]), np.abs(lost[first] - known[after.clip(0, known.size - 1)]))
+    away = np.minimum(
+        np.abs(lost[first] - known[after - 1]), np.abs(lost[first] - known[after.clip(0, known.size - 1)])
+    )
     return np.asarray(lost[first][away > 0.5 * period])
 
 

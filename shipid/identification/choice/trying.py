@@ -177,7 +177,9 @@ _OF_RECORDS = (ASTERN, TRIAL_TWICE, SEEN_BEFORE, SHIP_LENGTH)
 def _beyond_the_others(fit: Fit, trials: Sequence[Trial], kept_apart: Sequence[Trial]) -> list[Notice]:
     """What is wrong with the trials, and where one that is predicted goes beyond the rudder angles and motions of those that are fitted."""
     model, joint = fit.model, fit.ship.joint.get(fit.model.name)
-    told = [n for n in fit.warnings if n.kind in _OF_RECORDS or (n.kind == BEYOND and n.known["quantity"] not in _SIZES)]
+    told = [
+        n for n in fit.warnings if n.kind in _OF_RECORDS or (n.kind == BEYOND and n.known["quantity"] not in _SIZES)
+    ]
     if joint is None:
         return told
     pairs = [(one, [t for t in trials if t is not one]) for one in trials if len(trials) > 1]

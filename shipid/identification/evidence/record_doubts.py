@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from shipid.foundation.notices import Notice
+from shipid.identification.validation.comparison import Comparison
 from shipid.trials.signals.ship_length import length_notice
 from shipid.trials.trial import Trial
 
@@ -15,16 +16,19 @@ from shipid.trials.trial import Trial
 TRIAL_TWICE, SEEN_BEFORE = "trial-twice", "validated-on-itself"
 
 
-def record_notices(fitted: Sequence[Trial], predicted: Sequence[Trial], length: float | None) -> list[Notice]:
-    """Return serious notices on records that are one, and on records that no ship of this length makes.
+def record_notices(
+    comparisons: Sequence[Comparison], predictions: Sequence[Comparison], length: float | None
+) -> list[Notice]:
+    """Return notices on records that are one, and on records that no ship of this length makes.
 
     Parameters
     ----------
-    fitted, predicted : sequence of Trial
-        What was fitted, and what was not.
+    comparisons, predictions : sequence of Comparison
+        Of the trials that were fitted, and of those that were not.
     length : float or None
         Of the ship, m.
     """
+    fitted, predicted = ([c.trial for c in group] for group in (comparisons, predictions))
     found = [
         Notice(
             f"trials {one.name} and {other.name} hold the same samples: they count twice, and the intervals are narrower than one record "
@@ -62,6 +66,8 @@ def same_samples(one: Trial, other: Trial) -> bool:
     if len(one) != len(other) or set(one.table) != set(other.table):
         return False
     return all(
-        np.array_equal(one[n] - (one[n][0] if n == "t" else 0.0), other[n] - (other[n][0] if n == "t" else 0.0), equal_nan=True)
+        np.array_equal(
+            one[n] - (one[n][0] if n == "t" else 0.0), other[n] - (other[n][0] if n == "t" else 0.0), equal_nan=True
+        )
         for n in one.table
     )

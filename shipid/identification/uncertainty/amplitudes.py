@@ -12,8 +12,8 @@ from shipid.identification.loading import loading_of
 from shipid.parameters.loading import MEASURES
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond, speed_given
-from shipid.trials.speed import SpeedBefore, recorded_speed, speed_before_in
 from shipid.trials.signals.ship_length import length_notice
+from shipid.trials.speed import SpeedBefore, recorded_speed, speed_before_in
 from shipid.trials.trial import Trial
 
 #: Share of the samples that an amplitude is not exceeded in: one wild sample is no amplitude that was reached.

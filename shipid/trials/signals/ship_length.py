@@ -49,7 +49,7 @@ def length_notice(trial: Trial, length: float | None) -> Notice | None:
     if found is None:
         return None
     least, most = (change * (length / usual) ** 2 / rudder for change in found)
-    if _LEAST < least and most < _MOST:
+    if least > _LEAST and most < _MOST:
         return None
     value = most if most >= _MOST else least
     return Notice(

@@ -167,7 +167,12 @@ def test_the_truth_of_another_clock_or_of_ships_without_names(tmp_path):
 def targets(path: Path, *sentences) -> Path:
     """A log of sentences every 3 s: each a function of the time to what stands between ``$`` and ``*``."""
     stamp = "2026-01-01T10:{:02d}:{:02d}.000Z "
-    path.write_text("\n".join(stamp.format(int(t) // 60, int(t) % 60) + sentence(text) for t in T for s in sentences if (text := s(t))) + "\n")
+    path.write_text(
+        "\n".join(
+            stamp.format(int(t) // 60, int(t) % 60) + sentence(text) for t in T for s in sentences if (text := s(t))
+        )
+        + "\n"
+    )
     return path
 
 
@@ -183,7 +188,11 @@ def test_a_target_that_the_radar_has_lost_is_not_held(tmp_path):
     assert [one.status for one in result.tracks] == ["ended"] or [one.status for one in result.tracks] == ["lost"]
     assert any("20 targets lost by the radar" in str(n) for n in found.plots.notes)
     # Where another target is seen, it is not missed at the time of the lost one.
-    other = targets(tmp_path / "b.nmea", lambda t: target(t, "T" if t < 60 else "L"), lambda t: "RATTM,02,1.000,300.0,T,,,T,,,N,,T,,,A")
+    other = targets(
+        tmp_path / "b.nmea",
+        lambda t: target(t, "T" if t < 60 else "L"),
+        lambda t: "RATTM,02,1.000,300.0,T,,,T,,,N,,T,,,A",
+    )
     assert all(len(scan.z) for scan in read_detections(other).plots)
 
 
@@ -236,7 +245,9 @@ def test_two_clocks_that_do_not_overlap(tmp_path):
     notice = kinds(found)["two-clocks"]
     assert notice.serious and "go back 19 times" in notice
     halves = np.concatenate([T[:20], T[20:] + 3600.0])
-    assert "two-clocks" not in kinds(read_detections(table(tmp_path / "b.csv", "t [s],range [m],bearing [deg]", halves, RANGE, BEARING)))
+    assert "two-clocks" not in kinds(
+        read_detections(table(tmp_path / "b.csv", "t [s],range [m],bearing [deg]", halves, RANGE, BEARING))
+    )
 
 
 def test_lines_that_are_no_sentences_are_counted(tmp_path):

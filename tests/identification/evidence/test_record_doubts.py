@@ -15,7 +15,9 @@ from shipid.trials.signals.ship_length import SHIP_LENGTH
 
 @pytest.fixture(scope="module")
 def trials():
-    one, other = (shipid.simulate("nomoto", ship="zeefakkel", manoeuvre="zigzag:20/20", noise="standard", seed=k) for k in (1, 2))
+    one, other = (
+        shipid.simulate("nomoto", ship="zeefakkel", manoeuvre="zigzag:20/20", noise="standard", seed=k) for k in (1, 2)
+    )
     return one, replace(other, name="other")
 
 
@@ -27,7 +29,9 @@ def test_a_trial_that_stands_twice_is_told(trials):
     one, other = trials
     twice = kinds(shipid.identify("nomoto", [one, replace(one, name="copy")], ship="zeefakkel", starts=1))
     assert twice[TRIAL_TWICE].serious and "and copy hold the same samples" in twice[TRIAL_TWICE]
-    assert not {TRIAL_TWICE, SEEN_BEFORE, SHIP_LENGTH} & set(kinds(shipid.identify("nomoto", [one, other], ship="zeefakkel", starts=1)))
+    assert not {TRIAL_TWICE, SEEN_BEFORE, SHIP_LENGTH} & set(
+        kinds(shipid.identify("nomoto", [one, other], ship="zeefakkel", starts=1))
+    )
 
 
 def test_a_prediction_of_a_fitted_trial_shows_nothing(trials):
@@ -45,6 +49,6 @@ def test_a_ship_of_another_length_is_told(trials):
 
 
 def test_a_comparison_does_not_leave_out_what_it_has_fitted(trials):
-    one, other = trials
+    one = trials[0]
     ranking = shipid.compare_models(["nomoto"], [one, replace(one, name="copy")], ship="zeefakkel", starts=1, workers=1)
     assert kinds(ranking)[TRIAL_TWICE].serious

@@ -126,7 +126,7 @@ def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
         name = spelling.split_header(header)[0] or f"number {k}"
         try:
             found = _split(column, said)
-        except _Conflict as conflict:
+        except _ConflictError as conflict:
             if name in FIELDS or k in stated or header in stated:
                 at = raw.line(int(np.flatnonzero(column.index == conflict.at)[0]))
                 raise HeaderError(
@@ -144,7 +144,7 @@ def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
     return replace(raw, columns=tuple(columns), units=tuple(beside), notes=tuple(notes), decimal=decimal)
 
 
-class _Conflict(Exception):
+class _ConflictError(Exception):
     """A cell says another unit than its column or another cell."""
 
     def __init__(self, at: int, unit: str, other: str) -> None:
@@ -156,7 +156,7 @@ def _split(column: pd.Series, said: str | None) -> tuple[pd.Series, str] | None:
     """The cells without their unit, and the unit; None where they say none, several, or another one than is said."""
     texts = column.dropna()
     first = next((cell for cell in texts if isinstance(cell, str) and cell.strip().lower() not in MISSING), None)
-    if first is None or unit_of_cell(first) is None and (said is None or not _is_plain(first)):
+    if first is None or (unit_of_cell(first) is None and (said is None or not _is_plain(first))):
         return None
     if not texts.map(lambda cell: isinstance(cell, str)).all():
         return None
@@ -174,7 +174,7 @@ def _split(column: pd.Series, said: str | None) -> tuple[pd.Series, str] | None:
     other = next((u for u in found if not same_unit(u, said or found[0])), None)
     if other is not None:
         what = f"and the column {said}" if said else f"and cells above it {found[0]}"
-        raise _Conflict(seen.index[seen == other][0], other, what)
+        raise _ConflictError(seen.index[seen == other][0], other, what)
     numbers = column.astype(object).copy()
     numbers[texts.index] = np.where(seen.notna(), parts["number"], cells)
     return numbers.astype("str").where(numbers.notna()), found[0]
@@ -182,4 +182,3 @@ def _split(column: pd.Series, said: str | None) -> tuple[pd.Series, str] | None:
 
 def _is_plain(cell: str) -> bool:
     return re.fullmatch(_NUMBER, cell.strip()) is not None
-

@@ -15,8 +15,7 @@ def log(tmp_path, columns, separator=","):
     t = np.arange(40.0)
     values = {"t": t, "psi": 10 * np.sin(t / 8), "r": 1.25 * np.cos(t / 8), "delta": np.where(t % 20 < 10, 5.0, -5.0)}
     lines = [separator.join(header for header, _ in columns)]
-    for k in range(40):
-        lines.append(separator.join(cell % v[k] for (_, cell), v in zip(columns, values.values())))
+    lines += [separator.join(cell % v[k] for (_, cell), v in zip(columns, values.values())) for k in range(40)]
     file = tmp_path / "log.csv"
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return file, values
@@ -47,7 +46,9 @@ def test_a_decimal_comma_beside_a_unit(tmp_path):
 
 
 def test_units_that_do_not_agree_are_named(tmp_path):
-    file, _ = log(tmp_path, (("t [s]", "%.1f"), ("psi [rad]", "%.3f deg"), ("r [deg/s]", "%.3f"), ("delta [deg]", "%.1f")))
+    file, _ = log(
+        tmp_path, (("t [s]", "%.1f"), ("psi [rad]", "%.3f deg"), ("r [deg/s]", "%.3f"), ("delta [deg]", "%.1f"))
+    )
     with pytest.raises(TrialError, match="line 2, column 'psi': the cell says the unit deg, and the column rad"):
         shipid.read_trial(file)
     file, _ = log(tmp_path, (("t [s]", "%.1f"), ("psi", "%.3f deg"), ("r [deg/s]", "%.3f"), ("delta [deg]", "%.1f")))
@@ -58,6 +59,8 @@ def test_units_that_do_not_agree_are_named(tmp_path):
         shipid.read_trial(file)
 
 
-@pytest.mark.parametrize("cell", ["12 P", "5 S", "52.0°N", "45° N", "10 PM", "10:30 AM", "5 foo", "Ship 5 m", "12 T", "90 M", "30.5'N", "12"])
+@pytest.mark.parametrize(
+    "cell", ["12 P", "5 S", "52.0°N", "45° N", "10 PM", "10:30 AM", "5 foo", "Ship 5 m", "12 T", "90 M", "30.5'N", "12"]
+)
 def test_what_is_no_unit(cell):
     assert unit_of_cell(cell) is None
