@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from shipid.encounter.errors import EncounterRequestError
+from shipid.encounter.plots.plots import Sensor, make_plots
 from shipid.encounter.plots.read_plots import read_detections
 from shipid.encounter.plots.ship_path import ShipPath
 from shipid.encounter.tracking.track import track
@@ -255,3 +256,10 @@ def test_lines_that_are_no_sentences_are_counted(tmp_path):
     log.write_text(log.read_text().replace(",N,,T", ",N,Möwe,T"), encoding="utf-8")
     with pytest.raises(EmptyFileError, match="40 lines that are no whole sentences"):
         read_detections(log)
+
+
+def test_plots_of_no_sensor_and_a_scan_without_a_time():
+    found = make_plots(np.arange(3.0), 100 + np.arange(3.0), np.zeros(3), sensor=np.array([0, 1, 7]))
+    assert len(found) == 1 and any("2 plots of a sensor that is not described" in n for n in found.notes)
+    with pytest.raises(EncounterRequestError, match="its scan a time above zero"):
+        Sensor(period=float("nan"))
