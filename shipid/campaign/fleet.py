@@ -29,6 +29,7 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.replaced import with_values
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.logs.reading import read_trial
+from shipid.trials.signals.ship_length import SHIP_LENGTH
 
 #: What may come of a trial.
 IDENTIFIED, NOT_CONVERGED, NOT_IDENTIFIED, NOT_READ, FAULT = (
@@ -297,7 +298,7 @@ class FleetRun:
             f.finding.kind
             for f in findings_of(fit.ship, fit.fitted, (), fit.model.inputs, fit.identified.method)
             if f.finding.serious and f.bears
-        ]
+        ] + [n.kind for n in fit.warnings if n.kind == SHIP_LENGTH]
         row |= {
             "doctor": ", ".join(dict.fromkeys(bearing)),
             "chi_square": fit.chi_square,

@@ -16,6 +16,8 @@ from shipid.prediction.tracks.track_predictor import TrackPredictor
 
 #: Nodes of a track between which motion is taken as straight.
 _POINTS = 400
+#: Alterations to a side that are tried at most.
+_MOST_STEPS = 720
 #: Digits of a share of a domain that tell two courses apart.
 _SAME = 9
 
@@ -63,7 +65,7 @@ def avoid(
     Raises
     ------
     EncounterRequestError
-        If the time or the alterations are out of range, or own ship cannot be predicted on any heading.
+        If the time or the alterations are out of range or too many, or own ship cannot be predicted on any heading.
     """
     wanted = situation.values["psi"] if heading is None else _si(heading, "rad", "the heading")
     seconds = _si(ahead, "s", "the time ahead")
@@ -74,6 +76,12 @@ def avoid(
             "give a step above zero, a widest alteration up to 180 deg, and a time above zero."
         )
     count = int(np.floor(far / fine + 1e-9))
+    if count > _MOST_STEPS:
+        raise EncounterRequestError(
+            f"alterations in steps of {np.rad2deg(fine):.3g} deg up to {np.rad2deg(far):g} deg are {count} to a side, and at most "
+            f"{_MOST_STEPS} are tried. Give a larger step."
+        )
+    others = [others] if isinstance(others, OtherShip) else list(others)
     sides = [1.0] if starboard_only else [1.0, -1.0]
     alterations = np.array([0.0, *(s * k * fine for k in range(1, count + 1) for s in sides)])
     lengths = 1.2 * seconds * max(situation.values["u"], np.hypot(*situation.ground_velocity)) / predictor.length

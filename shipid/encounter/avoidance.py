@@ -47,6 +47,13 @@ class OtherShip:
                 f"the motion of {self.name} is not known: give four finite numbers, north and east position and velocity, "
                 "and a covariance of 4 rows and 4 columns or none."
             )
+        if self.covariance is not None:
+            least = float(np.linalg.eigvalsh((self.covariance + self.covariance.T) / 2)[0])
+            # What rounding leaves of a zero is no negative variance.
+            if least < -1e-9 * float(np.abs(self.covariance).max()):
+                raise TargetError(
+                    f"the covariance of {self.name} has a variance below zero along some direction, which none has."
+                )
 
 
 @dataclass(frozen=True, repr=False)

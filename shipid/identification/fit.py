@@ -27,6 +27,7 @@ from shipid.identification.evidence.explained import (
     unread_wind_notices,
 )
 from shipid.identification.evidence.missing_effect import MissingEffect
+from shipid.identification.evidence.record_doubts import record_notices
 from shipid.identification.fit_text import (
     FIRST,
     band_lines,
@@ -354,6 +355,7 @@ class Fit(DrawnResult):
         found += astern_notices(self.model, self.fitted)
         found += unread_wind_notices(self.model, self.fitted, self.identified.scale.speed)
         found += one_sided_notices([c.trial for c in self.fitted])
+        found += record_notices(self.fitted, self.validation, self.ship.particular("L", "m"))
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
@@ -362,10 +364,8 @@ class Fit(DrawnResult):
         found += self.levels.notices if self.levels is not None and self.identified.method == "prediction-error" else ()
         stated = {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
         found += loading_notices(stated, self.identified.load_part)
-        for c in self.validation:
-            found += [
-                n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
-            ]
+        pairs = ((c.trial, n) for c in self.validation for n in beyond_of_record(self.model, self.ship, c.trial))
+        found += [n.about(trial.name) for trial, n in pairs if n.kind == BEYOND]
         return tuple(found)
 
     def text(self) -> str:

@@ -16,6 +16,7 @@ from shipid.foundation.statistics import WHITE
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import ASTERN, MOTION_UNEXPLAINED, NOT_DETERMINED, WIND_UNREAD
 from shipid.identification.evidence.missing_effect import EFFECT_MISSING
+from shipid.identification.evidence.record_doubts import SEEN_BEFORE, TRIAL_TWICE
 from shipid.identification.methods import METHODS
 from shipid.identification.problem.prior_shares import held_words
 from shipid.identification.search.noise_levels import APART, LASTING, NoiseLevels
@@ -25,9 +26,21 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.parameters.correlation import Joint
 from shipid.parameters.validity import range_words
+from shipid.trials.signals.ship_length import SHIP_LENGTH
 
 #: The kinds of warnings that stand before the coefficients.
-FIRST = (NOT_DETERMINED, MOTION_UNEXPLAINED, EFFECT_MISSING, LASTING, APART, ASTERN, WIND_UNREAD)
+FIRST = (
+    NOT_DETERMINED,
+    MOTION_UNEXPLAINED,
+    EFFECT_MISSING,
+    LASTING,
+    APART,
+    ASTERN,
+    WIND_UNREAD,
+    TRIAL_TWICE,
+    SEEN_BEFORE,
+    SHIP_LENGTH,
+)
 
 
 def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:

@@ -16,6 +16,7 @@ from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitEr
 from shipid.foundation.numbers import brief
 from shipid.foundation.result import Result, ResultEntry, table
 from shipid.parameters.correlation import Joint
+from shipid.parts.steering_machine import GEAR, check_gear
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -175,6 +176,8 @@ class ParameterSet(Result):
             raise ParameterSetError(
                 f"the length L of ship {self.name} is {length:g} m; it must lie between {_SHORTEST:g} m, a small model, and {_LONGEST:g} m."
             )
+        if name in GEAR:
+            check_gear(name, value.at(None, GEAR[name][1], f"ship {self.name}"), self.name)
         return value.at(None, unit, f"ship {self.name}")
 
     def values(self, model: Model, speed: float | None = None) -> dict[str, float]:
@@ -230,6 +233,8 @@ class _Lookup(dict[str, float]):
             found = parameters.find(model, name) if entry.quantity.kind != "given" else None
             if found is not None:
                 self[name] = found.at(speed, entry.unit, f"ship {parameters.name}")
+                if name in GEAR:
+                    check_gear(name, self[name], parameters.name)
 
 
 def resolve(model: Model, known: Mapping[str, float]) -> dict[str, float]:

@@ -29,7 +29,12 @@ _AMPLITUDES = (
 #: Quantities beyond whose range a band grows.
 _GROWS = ("delta", "r")
 #: Kinds of the notices.
-BEYOND, UNKNOWN, OTHERWISE = "beyond-what-was-fitted", "range-not-known", "identified-otherwise"
+BEYOND, UNKNOWN, OTHERWISE, WRONG_SIGN = (
+    "beyond-what-was-fitted",
+    "range-not-known",
+    "identified-otherwise",
+    "wrong-sign",
+)
 
 
 def range_of(ship: ParameterSet, model: Model) -> tuple[str, Joint] | None:
@@ -121,7 +126,7 @@ def beyond(
     found = range_of(ship, model)
     known = None if found is None else found[1]
     unstated = _unstated(known, rudder is not None)
-    notices = _identified_otherwise(model, ship)
+    notices = [*_signs(model, ship), *_identified_otherwise(model, ship)]
     if unstated:
         notices.append(
             Notice(
@@ -313,6 +318,31 @@ def beyond_in_run(
     drift = _largest(np.abs(np.arctan2(run["v"], run["u"]))) if "u" in run and "v" in run else None
     found = beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift, grown=grown)
     return [n for n in found if n.kind != UNKNOWN] if known else found
+
+
+def _signs(model: Model, ship: ParameterSet) -> list[Notice]:
+    """Coefficients below zero that the model declares from zero on: a ship that turns to port with her rudder to starboard, or runs away."""
+    wrong = {}
+    for name in model.parameters:
+        value, low = ship.find(model, name), model[name].number("low")
+        if value is None or low is None or low < 0:
+            continue
+        least = float(np.min(value.value))
+        if least < 0:
+            unit = "" if value.unit == "1" else f" {value.unit}"
+            wrong[name] = f"{name} is {least:.4g}{unit}"
+    if not wrong:
+        return []
+    return [
+        Notice(
+            f"{', '.join(wrong.values())} in ship {ship.name}, and model {model.name} declares {'it' if len(wrong) == 1 else 'them'} from zero "
+            "on: with a gain below zero a ship turns to port with her rudder to starboard, with a time constant below zero she runs away. "
+            "Correct the sign.",
+            WRONG_SIGN,
+            serious=True,
+            names=list(wrong),
+        )
+    ]
 
 
 def _largest(sizes: np.ndarray) -> float | None:

@@ -9,7 +9,15 @@ import numpy as np
 
 from shipid.declaration.component import Component
 from shipid.declaration.quantity import constant, given, state
+from shipid.declaration.units import factor
 from shipid.foundation.aliases import Expression
+from shipid.foundation.errors import ParameterSetError
+
+#: What a steering gear can do: name, words, SI unit, unit shown, and the most of it.
+GEAR = {
+    "delta_max": ("the largest rudder angle", "rad", "deg", 90.0),
+    "delta_rate": ("the largest rudder rate", "rad/s", "deg/s", 360.0),
+}
 
 
 class SteeringMachine(Component):
@@ -41,3 +49,28 @@ class SteeringMachine(Component):
         order = np.minimum(np.maximum(self.delta_order, -self.delta_max), self.delta_max)
         wanted = (order - angle) / self.tau_delta
         return np.minimum(np.maximum(wanted, -self.delta_rate), self.delta_rate)
+
+
+def check_gear(name: str, value: float, ship: str) -> None:
+    """Refuse a rudder angle or rate that no steering gear has: a rudder that never moves, or an angle in another unit than it says.
+
+    Parameters
+    ----------
+    name : {"delta_max", "delta_rate"}
+        The particular.
+    value : float
+        rad or rad/s.
+    ship : str
+        Whose.
+
+    Raises
+    ------
+    ParameterSetError
+        With what it may be.
+    """
+    words, si, unit, most = GEAR[name]
+    shown = value * factor(si, unit)
+    if not 0 < shown <= most * (1 + 1e-9):
+        raise ParameterSetError(
+            f"{words} {name} of ship {ship} is {shown:.4g} {unit}: give one above zero, to {most:g} {unit}."
+        )

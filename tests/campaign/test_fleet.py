@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import shipid
 from shipid.campaign.campaign import Campaign, Measure, generator_of
 from shipid.campaign.errors import CampaignRequestError
 from shipid.campaign.fleet import PARTS, FleetRun, FleetSettings, fleet_campaign, not_read, trial_files
@@ -12,6 +13,7 @@ from shipid.campaign.fleet_result import fleet_result
 from shipid.campaign.moments import Statistic
 from shipid.campaign.result import CampaignResult
 from shipid.campaign.store import open_store
+from shipid.trials.logs.writing import write_trial
 
 
 def result_of_values(folder, values, std):
@@ -86,3 +88,11 @@ def test_a_worker_that_does_not_see_the_folder_says_so():
     run = FleetRun("/no/such/folder", ("a.csv",), FleetSettings("nomoto"), ("K",))
     with pytest.raises(CampaignRequestError, match="does not see the folder"):
         run(generator_of(0, 0))
+
+
+def test_a_row_says_that_the_ship_is_of_another_length(tmp_path):
+    trial = shipid.simulate("nomoto", ship="zeefakkel", manoeuvre="zigzag:20/20", noise="standard", seed=1)
+    write_trial(trial, tmp_path / "a.csv")
+    asked = FleetSettings("nomoto", "zeefakkel", starts=1, values=(("L", "450 m"),))
+    found = FleetRun(str(tmp_path), ("a.csv",), asked, ("K", "tau"))(generator_of(0, 0))
+    assert "ship-length" in str(found["doctor"])

@@ -86,3 +86,19 @@ def test_a_route_is_sailed(call, schedule, refused, tmp_path):
     refused(2, [*ship, "--course", "20 deg"], "leave out --manoeuvre and --course")
     plan.write_text(PLAN.replace("53.97,7.9", "53.95,7.9"))
     refused(3, list(ship), "are one place")
+
+
+def test_a_serious_warning_stands_in_the_exit_code(call, tmp_path):
+    sailed = [
+        "simulate",
+        "de-keizer",
+        "--ship",
+        "soesterberg",
+        "--manoeuvre",
+        "zigzag:20/20",
+        "-o",
+        str(tmp_path / "a.csv"),
+    ]
+    answer = call(*sailed, "--set", "K=-1.6")
+    assert answer.code == 5 and "a ship turns to port with her rudder to starboard" in answer.said
+    assert call(*sailed, "--overwrite").code == 0

@@ -139,3 +139,16 @@ def test_bad_requests(predictor, own):
         coming(np.nan)
     with pytest.raises(TargetError, match="4 rows and 4 columns"):
         coming(100.0, covariance=np.eye(2))
+
+
+def test_a_covariance_below_zero_and_too_many_alterations_are_refused(predictor, own):
+    with pytest.raises(TargetError, match="a variance below zero"):
+        coming(3000.0, covariance=-np.eye(4))
+    assert coming(3000.0, covariance=np.zeros((4, 4))).covariance is not None
+    with pytest.raises(EncounterRequestError, match="are 900000 to a side, and at most 720 are tried"):
+        avoid(predictor, own, [coming(3000.0)], circle(500.0), step="0.0001 deg")
+
+
+def test_one_other_ship_needs_no_list(predictor, own):
+    one, several = (avoid(predictor, own, o, circle(500.0)).alteration for o in (coming(3000.0), [coming(3000.0)]))
+    assert one == several

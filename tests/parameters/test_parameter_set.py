@@ -22,6 +22,7 @@ from shipid import (
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError, UnknownNameError
 from shipid.parameters.parameter_set import Value, missing_values, parse_value, resolve
 from shipid.parameters.replaced import with_values
+from shipid.parts.steering_machine import SteeringMachine
 from shipid.parts.wind import Wind
 
 SHIP = """
@@ -264,3 +265,21 @@ def test_a_length_of_no_ship_is_refused(length: str) -> None:
         own.particular("L", "m")
     with pytest.raises(ParameterSetError, match=words):
         own.values(find_model("nomoto"), speed=9.5)
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"delta_max": "0 deg"}, "largest rudder angle delta_max of ship soesterberg is 0 deg"),
+        ({"delta_max": "-35 deg"}, "is -35 deg: give one above zero, to 90 deg"),
+        ({"delta_max": "35 rad"}, "is 2005 deg"),
+        ({"delta_rate": "0 deg/s"}, "largest rudder rate delta_rate of ship soesterberg is 0 deg/s"),
+    ],
+)
+def test_a_steering_gear_that_moves_no_rudder_or_turns_it_round_is_refused(stated, words) -> None:
+    own = with_values(find_ship("soesterberg"), stated, (), "stated by --set")
+    name = next(iter(stated))
+    with pytest.raises(ParameterSetError, match=words):
+        own.particular(name, "rad" if name == "delta_max" else "rad/s")
+    with pytest.raises(ParameterSetError, match=words):
+        own.values(join("steered", find_model("nomoto"), SteeringMachine), speed=9.5)

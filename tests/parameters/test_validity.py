@@ -12,8 +12,9 @@ from shipid.foundation.errors import ParameterSetError
 from shipid.identification.uncertainty.amplitudes import largest_amplitudes, recorded_speeds
 from shipid.parameters.catalogue import find_model, find_ship
 from shipid.parameters.correlation import Joint
+from shipid.parameters.replaced import with_values
 from shipid.parameters.ship_coefficients import coefficients_at
-from shipid.parameters.validity import BEYOND, OTHERWISE, UNKNOWN, beyond, beyond_in_run, range_of
+from shipid.parameters.validity import BEYOND, OTHERWISE, UNKNOWN, WRONG_SIGN, beyond, beyond_in_run, range_of
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
 DEG = np.pi / 180
@@ -181,3 +182,14 @@ def test_a_range_that_is_none(tmp_path, entry, says):
     with pytest.raises(ParameterSetError) as caught:
         shipid.read_parameter_set(path)
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("stated", "says"), [({"K": "-1.6"}, "K is -1.6 in ship"), ({"tau": "-1.7"}, "tau is -1.7 in ship")]
+)
+def test_a_coefficient_of_the_wrong_sign_is_told(stated, says):
+    model = find_model("de-keizer")
+    own = with_values(find_ship("soesterberg"), stated, (model,))
+    found = [n for n in beyond(model, own, [9.5]) if n.kind == WRONG_SIGN]
+    assert len(found) == 1 and found[0].serious and found[0].startswith(says)
+    assert not [n for n in beyond(model, find_ship("soesterberg"), [9.5]) if n.kind == WRONG_SIGN]

@@ -9,7 +9,7 @@ import click
 from shipid.cli.frame.completing import complete_manoeuvre
 from shipid.cli.frame.delivery import output_or_stdout, overwrite_option
 from shipid.cli.frame.flows import current_option, wind_option
-from shipid.cli.frame.messages import say, warn
+from shipid.cli.frame.messages import say, warn, warned
 from shipid.cli.frame.options import (
     LEVELS,
     input_option,
@@ -22,6 +22,7 @@ from shipid.cli.frame.options import (
     values_option,
 )
 from shipid.cli.frame.quantities import NumberWithUnit
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.prediction.sailing.voyage import Voyage
@@ -97,7 +98,7 @@ def simulate(
     inputs: dict[str, str],
     output: str | None,
     overwrite: bool,
-) -> None:
+) -> ExitCode:
     """Simulate a manoeuvre, courses under an autopilot or a route under the track pilot, and write it as a trial.
 
     \b
@@ -138,9 +139,10 @@ def simulate(
             warn(note)
     if summary:
         say(summary)
+    code = ExitCode.DOUBTFUL if any(n.serious for n in warned()) else ExitCode.DONE
     if place is None:
         _print(trial)
-        return
+        return code
     try:
         write_trial(trial, place, overwrite=overwrite, comment=trial.source.comment)
     except OSError:
@@ -148,6 +150,7 @@ def simulate(
         raise
     said = trial.source.comment.replace("\n", ". ")
     say(f"{place}: {len(trial)} samples. {said}")
+    return code
 
 
 def _check(

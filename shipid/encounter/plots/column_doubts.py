@@ -25,6 +25,10 @@ _SHORT, _APART, _MILE = 30.0, 30.0, 1852.0
 _UNHEARD, _MINORITY = 1e6, 1 / 3
 #: Radius of the Earth, m.
 _EARTH = 6.371e6
+#: A bearing that is farther beyond a turn than this, in turns, stands for none, where none lies between.
+_FAR_BEYOND = 1.1
+#: Two clocks are so far apart, s, and the times of a log go back from one to the other so often, at least.
+_TO_AND_FRO, _TWICE = 60.0, 3
 #: Beyond a pole or a whole turn by no more than this is rounding, rad.
 _ROUNDING = 1e-6
 
@@ -106,6 +110,59 @@ def _range_unit(ranges: np.ndarray) -> list[Notice]:
 def _within(values: np.ndarray, others: np.ndarray) -> bool:
     """Whether values lie about where others do."""
     return bool(values[-1] > others[0] / 3 and values[0] < 3 * others[-1])
+
+
+def two_stamps(t: np.ndarray) -> list[Notice]:
+    """Return a notice where the times of a log go to and fro between two spells that do not overlap: two clocks in one log.
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        In the order of the log, s.
+    """
+    known = t[np.isfinite(t)]
+    if known.size < _SOME:
+        return []
+    rising = np.sort(known)
+    k = int(np.diff(rising).argmax())
+    apart, late = float(rising[k + 1] - rising[k]), known > rising[k]
+    back = int((late[:-1] & ~late[1:]).sum())
+    if apart < _TO_AND_FRO or back < _TWICE:
+        return []
+    return [
+        Notice(
+            f"the times go back {back} times by more than {apart:.0f} s: two clocks in one log, by which one ship is two tracks. Put the "
+            "clocks right, or make a log of each.",
+            "two-clocks",
+            serious=True,
+            seconds=apart,
+        )
+    ]
+
+
+def bearings_possible(raw: RawPlots) -> RawPlots:
+    """Return plots without the bearings that stand for none, such as 511 or 999.9 deg, beside bearings within a turn.
+
+    Parameters
+    ----------
+    raw : RawPlots
+        As the log has them, bearings not yet counted from north.
+    """
+    columns, notes = dict(raw.columns), list(raw.notes)
+    for name in ("bearing", "relative_bearing"):
+        turns = np.abs(columns.get(name, np.zeros(0))) / (2 * np.pi)
+        beyond = turns > 1 + _ROUNDING
+        # Bearings that are counted on beyond a turn go there step by step.
+        if (
+            not beyond.any()
+            or beyond.sum() > _MINORITY * np.isfinite(turns).sum()
+            or (turns[beyond] < _FAR_BEYOND).any()
+        ):
+            continue
+        columns[name] = np.where(beyond, np.nan, columns[name])
+        told = f"{_many(beyond, 'plot')} with a bearing of {360 * turns[beyond].min():.0f} deg or more left out: it stands for none."
+        notes.append(Notice(told, "bearings-impossible", count=int(beyond.sum())))
+    return replace(raw, columns=columns, notes=tuple(notes))
 
 
 def possible(raw: RawPlots) -> RawPlots:

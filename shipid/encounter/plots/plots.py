@@ -76,7 +76,9 @@ class Sensor:
             raise EncounterRequestError(
                 f"detection and sight of sensor '{self.name}' are probabilities between zero and one, and are {self.detection:g} and {self.sight:g}."
             )
-        if not (np.isfinite(self.latency) and self.latency_std >= 0) or (self.period is not None and self.period <= 0):
+        if not (np.isfinite(self.latency) and self.latency_std >= 0) or (
+            self.period is not None and not self.period > 0
+        ):
             raise EncounterRequestError(
                 f"the latency of sensor '{self.name}' has to be a finite time, and its scan a time above zero."
             )
@@ -232,6 +234,11 @@ def make_plots(
             )
         )
     known &= ~beyond
+    strange = known & ((sensor < 0) | (sensor >= len(sensors)))
+    if strange.any():
+        told = f"{_count(strange)} of a sensor that is not described left out."
+        notes.append(Notice(told, "plots-of-no-sensor", count=int(strange.sum())))
+    known &= ~strange
     echo = known & (np.hypot(x - own[:, 0], y - own[:, 1]) < _OWN_ECHO)
     if echo.any():
         notes.append(

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.plots.column_doubts import doubts, possible
+from shipid.encounter.plots.column_doubts import bearings_possible, doubts, possible, two_stamps
 from shipid.encounter.plots.given_paths import first_fix, own_among, own_heading, own_path, true_paths
 from shipid.encounter.plots.json_records import plots_of_json
 from shipid.encounter.plots.plot_format import PlotFormat, failed, read_plot_format
@@ -102,7 +102,7 @@ def read_detections(
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = file_of(path)
-    raw = possible(_from_north(_raw(file, fmt), own, file))
+    raw = possible(_from_north(bearings_possible(_raw(file, fmt)), own, file))
     origin = _origin(raw)
     if own is None and truth is not None and "own_x" not in raw.columns and "own_lat" not in raw.columns:
         own = own_among(truth, fmt)
@@ -179,7 +179,7 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
         # 2.0 and 2 are one key; a plot of a sensor that the format does not name is left out, as one without a time.
         sensor = np.array([fmt.values.get(v, -1) for v in columns["sensor"]], int)
         t = np.where(sensor >= 0, t, np.nan)
-    said = doubts(record.values, found, len(fmt.sensors) if fmt else 0)
+    said = [*doubts(record.values, found, len(fmt.sensors) if fmt else 0), *two_stamps(t)]
     return RawPlots(t, found, sensor, notes=(*(record.notes if fmt is None else ()), *said))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from shipid.encounter.plots.ais import AisReader
+from shipid.encounter.plots.column_doubts import two_stamps
 from shipid.encounter.plots.plots import Sensor
 from shipid.encounter.plots.raw_plots import RawPlots
 from shipid.encounter.plots.ship_path import FASTEST, STRAY
@@ -24,7 +26,16 @@ from shipid.trials.logs.tables.opening import opened
 #: Metres a unit of TTM's range.
 _UNITS = {"K": 1000.0, "N": 1852.0, "S": 1609.344}
 #: The sentences that tell where own ship is and heads.
-_POSITIONS, _HEADINGS = ("GGA", "RMC", "GLL"), ("THS", "HDT")
+_POSITIONS, _HEADINGS, _COMPASSES = ("GGA", "RMC", "GLL"), ("THS", "HDT"), ("HDG", "HDM")
+#: Why a target is left out, in words.
+_WHY = {
+    "lost": "lost by the radar",
+    "no position": "without a range or a bearing",
+    "no unit": "in a unit of range other than K, N or S",
+    "no reference": "with a bearing that says neither T nor R",
+    "no heading": "with a bearing from the bow and no true heading before it (THS, HDT; HDG or HDM with a variation)",
+    "broken": "with a field that is no number",
+}
 _NAN = float("nan")
 #: Own ship is where her last fix was, or her next one is, so many of its usual intervals, or s, away.
 _INTERVALS, _FRESH = 5.0, 5.0
@@ -44,10 +55,12 @@ class _Found:
     bearing: list[float] = field(default_factory=list)
     lat: list[float] = field(default_factory=list)
     lon: list[float] = field(default_factory=list)
+    lost: list[float] = field(default_factory=list)
     own: list[tuple[float, float, float]] = field(default_factory=list)
     fixed: bool = False
-    left_out: int = 0
+    left_out: Counter[str] = field(default_factory=Counter)
     damaged: int = 0
+    no_sentence: int = 0
     unused: int = 0
     ais: AisReader = field(default_factory=AisReader)
 
@@ -102,6 +115,8 @@ def plots_of_sentences(file: Path) -> RawPlots:
             f"nothing in '{file}' tells the time of its targets. Log each line with a time stamp before it."
         )
     own = np.array(sorted(found.own)).reshape(-1, 3)
+    # Over the date line a longitude goes on: half way between 179 E and 179 W is not Greenwich.
+    own[:, 2] = np.unwrap(own[:, 2])
     if radar:
         columns = {"range": np.array(found.range), "bearing": np.array(found.bearing)}
     else:
@@ -121,23 +136,25 @@ def plots_of_sentences(file: Path) -> RawPlots:
     if not radar:
         notes += _jumps(t[kept], label[kept], place[kept])
     columns = {name: values[kept] for name, values in columns.items()}
+    looks = _seen_nothing(np.array(found.lost), t[kept], period)
+    notes += two_stamps(t)
     sensor = (
         Sensor("radar", range_std=30.0, bearing_std=math.radians(0.5), period=period)
         if radar
         else Sensor("AIS", position_std=10.0, period=period)
     )
-    return RawPlots(t[kept], columns, np.zeros(len(kept), int), sensors=(sensor,), notes=tuple(notes))
+    which = np.zeros(len(kept), int), looks, np.zeros(looks.size, int)
+    return RawPlots(t[kept], columns, *which, sensors=(sensor,), notes=tuple(notes))
 
 
 def _left_out(found: _Found) -> list[str]:
     """What became of the rest, a sentence a cause."""
-    count = found.left_out
-    what = "targets" if count > 1 else "target"
-    rest = (
-        [f"{count} {what} left out: lost, or without a position, a unit or a heading to count from."] if count else []
-    )
+    rest = [f"{n} target{'s' * (n > 1)} {_WHY[cause]} left out." for cause, n in found.left_out.items()]
     if found.damaged:
         rest.append(f"{found.damaged} sentence{'s' * (found.damaged > 1)} with a wrong checksum left out.")
+    if found.no_sentence:
+        several = "s that are no whole sentences" if found.no_sentence > 1 else " that is no whole sentence"
+        rest.append(f"{found.no_sentence} line{several} left out: cut, or with a letter that none holds.")
     if found.unused:
         rest.append(f"AIS is not tracked beside a radar: {found.unused} of its sentences left out.")
     return rest + found.ais.why()
@@ -174,6 +191,7 @@ def _sentences(text: str, found: _Found) -> Iterator[tuple[float, Sentence]]:
     for line in io.StringIO(text):
         sentence = split_line(line.rstrip("\r\n"))
         if sentence is None:
+            found.no_sentence += ("$" in line or "!" in line) and "," in line
             continue
         if sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper():
             found.damaged += 1
@@ -186,7 +204,7 @@ def _sentences(text: str, found: _Found) -> Iterator[tuple[float, Sentence]]:
 
 
 def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) -> None:
-    heading = utc = _NAN
+    heading, magnetic, variation, utc = _NAN, _NAN, _NAN, _NAN
     day = _TimeOfDay()
     for at, sentence in lines:
         fields = sentence.text.split(",")
@@ -197,6 +215,10 @@ def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) ->
                 known = dict(zip(names, take(fields)))
                 if kind in _HEADINGS:
                     heading = known["heading"] if math.isfinite(known["heading"]) else heading
+                if kind in _COMPASSES and math.isfinite(known["heading"]):
+                    magnetic = known["heading"]
+                if math.isfinite(known.get("variation", _NAN)):
+                    variation = known["variation"]
                 if math.isfinite(known.get("utc", _NAN)):
                     utc = day.on(known["utc"])
                 if kind in _POSITIONS:
@@ -207,13 +229,14 @@ def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) ->
                             found.own, found.fixed = [], True
                         found.own.append((when, math.radians(known["lat"]), math.radians(known["lon"])))
             elif kind == "TTM":
-                _take_ttm(fields, at, utc, heading, day, found)
+                # A gyro goes before a compass.
+                _take_ttm(fields, at, utc, heading if math.isfinite(heading) else magnetic + variation, day, found)
             elif kind == "VDM" and radar:
                 found.unused += 1
             elif kind in ("VDO", "VDM"):
                 _take_ais(fields, sentence, at if math.isfinite(at) else utc, found)
         except (ValueError, IndexError):
-            found.left_out += 1
+            found.left_out["broken"] += 1
 
 
 def _take_ttm(fields: list[str], at: float, utc: float, heading: float, day: _TimeOfDay, found: _Found) -> None:
@@ -222,15 +245,28 @@ def _take_ttm(fields: list[str], at: float, utc: float, heading: float, day: _Ti
     said = day.on(_seconds(fields[14]))
     when = next((w for w in (at, said, utc) if math.isfinite(w)), _NAN)
     unit = _UNITS.get(fields[10])
+    range_, angle = (float(fields[k]) if fields[k] else _NAN for k in (2, 3))
     # From north, or from the bow; where it does not say, nobody knows.
-    bearing = float(fields[3]) + {"T": 0.0, "R": heading}.get(fields[4], _NAN) if fields[3] else _NAN
-    if unit is None or fields[12] == "L" or not fields[2] or not math.isfinite(bearing):
-        found.left_out += 1
+    start = {"T": 0.0, "R": heading}.get(fields[4])
+    cause = None
+    if fields[12] == "L":
+        cause = "lost"
+        found.lost.append(when)
+    elif not math.isfinite(range_) or not -180.0 <= angle <= 360.0:
+        cause = "no position"
+    elif unit is None:
+        cause = "no unit"
+    elif start is None:
+        cause = "no reference"
+    elif not math.isfinite(start):
+        cause = "no heading"
+    if cause is not None or unit is None or start is None:
+        found.left_out[cause or "broken"] += 1
         return
     found.t.append(when)
     found.label.append(fields[1])
-    found.range.append(float(fields[2]) * unit)
-    found.bearing.append(math.radians(bearing))
+    found.range.append(range_ * unit)
+    found.bearing.append(math.radians(angle + start))
 
 
 def _take_ais(fields: list[str], sentence: Sentence, when: float, found: _Found) -> None:
@@ -255,6 +291,20 @@ def _repeated(t: np.ndarray, label: np.ndarray) -> float | None:
     return float(np.median(together)) if together.size else None
 
 
+def _seen_nothing(lost: np.ndarray, t: np.ndarray, period: float | None) -> np.ndarray:
+    """Times at which the radar said that a target is lost, and saw no other one: once in the usual time, s."""
+    lost = np.sort(lost[np.isfinite(lost)])
+    if not lost.size or period is None or not period > 0:
+        return np.zeros(0)
+    _, first = np.unique(np.floor((lost - lost[0]) / period), return_index=True)
+    known = np.sort(t[np.isfinite(t)])
+    after = np.searchsorted(known, lost[first]).clip(1, max(known.size - 1, 1))
+    away = np.minimum(
+        np.abs(lost[first] - known[after - 1]), np.abs(lost[first] - known[after.clip(0, known.size - 1)])
+    )
+    return np.asarray(lost[first][away > 0.5 * period])
+
+
 def _known_at(t: np.ndarray, fixes: np.ndarray) -> np.ndarray:
     """Whether a fix is near in time, of shape (N,): between fixes that lie far apart, and before and after them all, nobody knows."""
     usual = float(np.median(np.diff(fixes))) if fixes.size > 1 else 0.0
@@ -270,6 +320,8 @@ def _places(columns: dict[str, np.ndarray]) -> np.ndarray:
             [columns["range"] * np.cos(columns["bearing"]), columns["range"] * np.sin(columns["bearing"])], axis=1
         )
     lat, lon = columns["lat"], columns["lon"]
+    # One side of the date line is near the other.
+    lon = (lon - lon[:1] + np.pi) % (2 * np.pi)
     return np.asarray(_EARTH * np.stack([lat, lon * np.cos(lat)], axis=1))
 
 

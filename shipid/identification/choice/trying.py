@@ -16,6 +16,7 @@ from shipid.generation.record import make_record
 from shipid.identification.choice.hard_turn import HardTurn, hard_turn
 from shipid.identification.choice.scoring import MEASURES, WORTHLESS, counted_measures, together
 from shipid.identification.evidence.explained import ASTERN
+from shipid.identification.evidence.record_doubts import SEEN_BEFORE, TRIAL_TWICE
 from shipid.identification.fit import Fit
 from shipid.identification.identified import Identified
 from shipid.identification.identify import identify
@@ -27,6 +28,7 @@ from shipid.identification.validation.runs import runs_of, swings_of
 from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
+from shipid.trials.signals.ship_length import SHIP_LENGTH
 from shipid.trials.trial import Trial
 
 #: What a model may take as given although it is what the ship does.
@@ -168,10 +170,16 @@ def try_candidate(candidate: Attempt) -> Tried:
     )
 
 
+#: What a fit says of its trials that bears on the choice of a model.
+_OF_RECORDS = (ASTERN, TRIAL_TWICE, SEEN_BEFORE, SHIP_LENGTH)
+
+
 def _beyond_the_others(fit: Fit, trials: Sequence[Trial], kept_apart: Sequence[Trial]) -> list[Notice]:
-    """Where a trial that is predicted goes beyond the rudder angles, rates of turn and drift angles of those that are fitted."""
+    """What is wrong with the trials, and where one that is predicted goes beyond the rudder angles and motions of those that are fitted."""
     model, joint = fit.model, fit.ship.joint.get(fit.model.name)
-    told = [n for n in fit.warnings if n.kind == ASTERN or (n.kind == BEYOND and n.known["quantity"] not in _SIZES)]
+    told = [
+        n for n in fit.warnings if n.kind in _OF_RECORDS or (n.kind == BEYOND and n.known["quantity"] not in _SIZES)
+    ]
     if joint is None:
         return told
     pairs = [(one, [t for t in trials if t is not one]) for one in trials if len(trials) > 1]

@@ -12,6 +12,7 @@ from shipid.identification.loading import loading_of
 from shipid.parameters.loading import MEASURES
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond, speed_given
+from shipid.trials.signals.ship_length import length_notice
 from shipid.trials.speed import SpeedBefore, recorded_speed, speed_before_in
 from shipid.trials.trial import Trial
 
@@ -154,7 +155,7 @@ def _slope_of_heading(trial: Trial) -> np.ndarray | None:
 def beyond_of_record(
     model: Model, ship: ParameterSet | None, trial: Trial, held: Mapping[str, float] | None = None
 ) -> list[Notice]:
-    """Return what has to be said where a record goes beyond the range that a ship's coefficients come from.
+    """Return what has to be said where a record goes beyond the range that a ship's coefficients come from, or is none of a ship so long.
 
     Parameters
     ----------
@@ -175,7 +176,7 @@ def beyond_of_record(
         return []
     before, given = _before(trial), speed_given(held or {})
     reached = largest_amplitudes([trial])
-    return beyond(
+    found = beyond(
         model,
         ship,
         [given] if given is not None else [] if before is None else [before.value],
@@ -184,3 +185,5 @@ def beyond_of_record(
         drift=reached.get("drift"),
         loading={m: v for m in MEASURES if (v := loading_of(trial, m)) is not None},
     )
+    unlike = length_notice(trial, ship.particular("L", "m"))
+    return found if unlike is None else [*found, unlike]

@@ -25,8 +25,10 @@ from shipid.foundation.notices import Notice
 from shipid.prediction.routes.errors import RouteError, RouteFileError, RouteSizeError, WaypointError
 from shipid.prediction.routes.route import MOST_WAYPOINTS, LegGeometry, Route, Waypoint
 from shipid.prediction.routes.rtz import decimal
+from shipid.prediction.routes.sailings import counted_eastward
 from shipid.trials import columns
 from shipid.trials.logs.positions import with_degrees
+from shipid.trials.logs.tables.cell_units import number_and_unit, same_unit
 from shipid.trials.logs.tables.numerals import MISSING, read_numbers, sign_of_file
 
 #: The columns, with the names they go by, and the unit of those that have one.
@@ -96,6 +98,8 @@ def read_route_table(data: bytes, where: str, name: str) -> Route:
     if geographic and ("x" in found or "y" in found):
         raise RouteFileError(f"{where} has columns of both kinds, lat and lon, and x and y: leave out one pair.")
     cells = {n: [row[k].strip() for row in rows] for n, k in found.items()}
+    for n in _UNITS.keys() & found:
+        cells[n], header[found[n]] = _apart(cells[n], header[found[n]])
     place = ("lat", "lon") if geographic else ("x", "y")
     used = [n for n in _UNITS if n in found and (n in place or n not in ("lat", "lon", "x", "y"))]
     notes: list[str] = []
@@ -120,6 +124,9 @@ def read_route_table(data: bytes, where: str, name: str) -> Route:
         gone = np.flatnonzero(~np.isfinite(values[n]))
         if gone.size:
             raise WaypointError(f"{where}, line {lines[gone[0]]}: the waypoint has no {header[found[n]]}.")
+
+    if geographic:
+        values["lon"] = counted_eastward(values["lon"])
 
     def of(n: str, k: int) -> float | None:
         """What a row states; zero is how tables say that there is none."""
@@ -220,6 +227,17 @@ def _table(data: bytes, where: str) -> tuple[list[str], list[list[str]], list[in
     if not rows:
         raise RouteFileError(f"{where} holds no waypoints. Check that it was copied completely.")
     return header, rows, numbers
+
+
+def _apart(cells: list[str], head: str) -> tuple[list[str], str]:
+    """The cells of a column without the unit behind each number, and its header with it; as they are where that is not one unit."""
+    name, stated = columns.split_header(head)
+    parts = [number_and_unit(cell) for cell in cells if cell.lower() not in MISSING]
+    seen = {part[1] for part in parts if part is not None}
+    if None in parts or len(seen) != 1 or (stated is not None and not same_unit(stated, *seen)):
+        return cells, head
+    bare = [cell if (part := number_and_unit(cell)) is None else part[0] for cell in cells]
+    return bare, columns.header(name, *seen)
 
 
 def _columns(header: Sequence[str], where: str) -> dict[str, int]:

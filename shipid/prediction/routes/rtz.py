@@ -14,10 +14,13 @@ from typing import Literal
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
+import numpy as np
+
 from shipid.foundation.notices import Notice
 from shipid.prediction.routes.errors import RouteError, RouteFileError, RouteSizeError, WaypointError
 from shipid.prediction.routes.route import MOST_WAYPOINTS, LegGeometry, Route, Waypoint
 from shipid.prediction.routes.rtz_vocabulary import SCHEDULED, RtzWords
+from shipid.prediction.routes.sailings import counted_eastward
 
 #: Versions that are written, with the names of their vocabularies.
 Version = Literal["1.0", "1.2"]
@@ -127,6 +130,8 @@ class _Reader:
         elif at == "waypoints/waypoint":
             self._waypoint(attributes)
         elif at == "waypoints/waypoint/position":
+            if not math.isnan(self.points[-1].position[0]):
+                raise WaypointError(f"{self._last} has two positions. Leave the wrong one out.")
             place = tuple(math.radians(self._number(attributes, n, None)) for n in ("lat", "lon"))
             self.points[-1] = replace(self.points[-1], position=(place[0], place[1]))
         elif at == "waypoints/waypoint/leg":
@@ -224,7 +229,10 @@ class _Reader:
         """Return the route that was read."""
         if self.points:
             self._check_position()
-        points, notes = self.points, self.notes
+        # RTZ counts to both sides of Greenwich; some programs count on over the date line.
+        lon = counted_eastward(np.array([w.position[1] for w in self.points]))
+        points = [replace(w, position=(w.position[0], east)) for w, east in zip(self.points, lon.tolist())]
+        notes = self.notes
         if self.speeds and any(self.speeds):
             if len(set(self.ids)) < len(self.ids):
                 notes.append(

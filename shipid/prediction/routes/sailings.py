@@ -42,6 +42,20 @@ def turned(angle: np.ndarray | float) -> np.ndarray:
     return np.asarray(np.pi - np.remainder(np.pi - np.asarray(angle, dtype=float), 2 * np.pi))
 
 
+def counted_eastward(lon: np.ndarray) -> np.ndarray:
+    """Return longitudes that are counted eastward to 360 deg over the date line between -180 and 180 deg; others as they are.
+
+    Parameters
+    ----------
+    lon : ndarray, shape (waypoints,)
+        As they are written, in rad. One that lies far from its neighbours is a mistake, and stays.
+    """
+    beyond = (lon > np.pi) & (lon <= 2 * np.pi)
+    if not beyond.any() or lon.size < 2 or not np.abs(np.diff(lon)).max() < np.pi / 2:
+        return lon
+    return np.where(beyond, lon - 2 * np.pi, lon)
+
+
 def isometric_latitude(lat: np.ndarray) -> np.ndarray:
     """Return the latitude of the Mercator chart, in rad of the equator.
 

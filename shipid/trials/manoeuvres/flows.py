@@ -26,6 +26,8 @@ _EXAMPLES = {
     "m": ("2 m from 300 deg", "2 m to 120 deg"),
 }
 _SIZES = {"m/s": "speed of", "rad": "heading by", "m": "significant height of"}
+#: No current and no wind is faster, m/s.
+_MOST = {"current": 15.0, "wind": 150.0}
 _SAID = re.compile(r"\s*(.+?)\s+(to|from)\s+(.+?)\s*")
 
 
@@ -59,7 +61,7 @@ def flow_of(flow: Flow | None, what: str, unit: str = "m/s") -> tuple[float, flo
     Raises
     ------
     UsageError
-        If a text does not say where it flows.
+        If a text does not say where it flows, or its size is below zero or that of no current and no wind.
     """
     if flow is None:
         return None
@@ -72,7 +74,15 @@ def flow_of(flow: Flow | None, what: str, unit: str = "m/s") -> tuple[float, flo
         size, way, direction = said.groups()
         flow, turned = (Typed(size), Typed(direction)), np.pi if way == "from" else 0.0
     size_of = f"{_SIZES[unit]} the {what}"
-    return number(flow[0], unit, size_of), number(flow[1], "rad", f"direction of the {what}") + turned
+    found = number(flow[0], unit, size_of)
+    most = _MOST.get(what, np.inf) if unit == "m/s" else np.inf
+    if not 0 <= found <= most:
+        raise UsageError(
+            f"the {what} is {flow[0]}: its size is not below zero"
+            + (f", nor above {most:g} m/s, which no {what} reaches" if np.isfinite(most) else "")
+            + ". Turn the direction over instead of the sign."
+        )
+    return found, number(flow[1], "rad", f"direction of the {what}") + turned
 
 
 def said_of(flow: Flow, unit: str = "m/s") -> str:

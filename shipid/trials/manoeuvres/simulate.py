@@ -21,6 +21,7 @@ from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, lacks_length, lacks_speed, missing_values
+from shipid.parameters.replaced import with_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
@@ -211,7 +212,8 @@ def simulate(
         f"{brief(u0, 4)} m/s{changed}, noise {noise_words(deviations, own)}, seed {seed}{met}"
     )
     # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
-    notes = beyond_in_run(model, ship, u0, columns, known=True)
+    stated = with_values(ship, {n: v for n, v in (values or {}).items() if n in model.parameters}, (model,))
+    notes = beyond_in_run(model, stated, u0, columns, known=True)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     units |= {n: unit for n, unit in own.items() if n in table}
     return Trial(

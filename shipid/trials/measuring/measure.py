@@ -28,6 +28,7 @@ from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, plates, regular
+from shipid.trials.signals.ship_length import length_notice
 from shipid.trials.trial import Trial
 
 _MEASURE: dict[str, Callable[[Trial, str | None, float | None, Faults], Measures]] = {
@@ -115,7 +116,8 @@ def measure(
             f"trial '{trial.name}' is no zig-zag: {measured.doubt}. {propeller_words(trial)} Choose the window of the manoeuvre "
             "(FILE@start:end), or state its kind.".replace("  ", " ")
         )
-    return replace(measured, record=part)
+    doubt = length_notice(part, metres)
+    return replace(measured, record=part, notes=(*measured.notes, *([] if doubt is None else [doubt])))
 
 
 def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:

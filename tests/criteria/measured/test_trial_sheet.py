@@ -103,7 +103,7 @@ def test_without_a_length_nothing_that_needs_it_is_decided(day):
 
 def test_a_length_of_the_model_beside_the_track_of_the_ship_is_told(day):
     doubtful = trial_sheet(day[2], length="5 m")
-    assert [w.kind for w in doubtful.warnings if w.serious] == ["length-doubtful"]
+    assert [w.kind for w in doubtful.warnings if w.serious] == ["ship-length", "length-doubtful"]
 
 
 def test_a_log_that_fails_costs_the_others_nothing(day, tmp_path):

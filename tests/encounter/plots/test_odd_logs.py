@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from shipid.encounter.errors import EncounterRequestError
+from shipid.encounter.plots.plots import Sensor, make_plots
 from shipid.encounter.plots.read_plots import read_detections
 from shipid.encounter.plots.ship_path import ShipPath
 from shipid.encounter.tracking.track import track
+from shipid.trials.errors import EmptyFileError
 from shipid.trials.logs.nmea.sentences.lines import checksum
 
 T = np.arange(0, 120, 3.0)
@@ -161,3 +163,103 @@ def test_the_truth_of_another_clock_or_of_ships_without_names(tmp_path):
     table(truth, "t [s],x [m],y [m],vessel", *both, np.repeat([1, 2], T.size))
     assert len(read_detections(log, truth=truth).truth) == 2
     assert math.isclose(read_detections(log, truth=truth).truth[1].x[0], 1900)
+
+
+def targets(path: Path, *sentences) -> Path:
+    """A log of sentences every 3 s: each a function of the time to what stands between ``$`` and ``*``."""
+    stamp = "2026-01-01T10:{:02d}:{:02d}.000Z "
+    path.write_text(
+        "\n".join(
+            stamp.format(int(t) // 60, int(t) % 60) + sentence(text) for t in T for s in sentences if (text := s(t))
+        )
+        + "\n"
+    )
+    return path
+
+
+def target(t: float, status: str = "T", of: str = "T", turn: float = 0.0) -> str:
+    k = int(np.searchsorted(T, t))
+    return f"RATTM,01,{RANGE[k] / 1852:.4f},{(BEARING[k] - turn) % 360:.2f},{of},,,T,,,N,,{status},,,A"
+
+
+def test_a_target_that_the_radar_has_lost_is_not_held(tmp_path):
+    found = read_detections(targets(tmp_path / "a.nmea", lambda t: target(t, "T" if t < 60 else "L")))
+    assert len(found.plots) == 20 and found.plots.span[1] == T[-1]
+    result = track(found)
+    assert [one.status for one in result.tracks] == ["ended"] or [one.status for one in result.tracks] == ["lost"]
+    assert any("20 targets lost by the radar" in str(n) for n in found.plots.notes)
+    # Where another target is seen, it is not missed at the time of the lost one.
+    other = targets(
+        tmp_path / "b.nmea",
+        lambda t: target(t, "T" if t < 60 else "L"),
+        lambda t: "RATTM,02,1.000,300.0,T,,,T,,,N,,T,,,A",
+    )
+    assert all(len(scan.z) for scan in read_detections(other).plots)
+
+
+def test_own_ship_on_the_date_line(tmp_path):
+    def fix(t: float) -> str:
+        if t % 2:
+            return ""
+        east = 179.9995 + 1e-5 * t
+        side, lon = ("E", east) if east < 180 else ("W", 360 - east)
+        return f"GPGGA,,1000.0000,S,{int(lon):03d}{60 * (lon % 1):07.4f},{side},1,08,1.0,0.0,M,0.0,M,,"
+
+    # A plot between two fixes, on both sides of the line, lies beside her.
+    found = read_detections(targets(tmp_path / "a.nmea", fix, lambda t: target(t)))
+    assert "own-ship-jumps" not in kinds(found) and found.own is not None
+    away = [math.dist(scan.z[0], scan.own) for scan in found.plots]
+    assert np.allclose(away, RANGE, atol=2.0)
+    assert max(np.hypot(scan.own[0], scan.own[1]) for scan in found.plots) < 200
+
+
+def test_ais_on_the_date_line_does_not_jump(tmp_path):
+    pytest.importorskip("pyais")
+    at = lambda t, k: (52 + 6 * t / 111_270, (179.999 + 2e-5 * t + 180) % 360 - 180, 244000001)  # noqa: E731
+    assert "ais-jumps" not in kinds(read_detections(ais(tmp_path / "a.nmea", at)))
+
+
+def test_bearings_from_the_bow_by_a_magnetic_compass(tmp_path):
+    compass = lambda t: "HCHDG,35.0,2.0,E,3.0,E"  # noqa: E731
+    found = read_detections(targets(tmp_path / "a.nmea", compass, lambda t: target(t, of="R", turn=40.0)))
+    place = np.array([scan.z[0] for scan in found.plots])
+    assert np.allclose(place, np.stack([NORTH, EAST], axis=1), atol=2.0)
+    magnetic = targets(tmp_path / "b.nmea", lambda t: "HCHDM,35.0,M", lambda t: target(t, of="R"))
+    with pytest.raises(EmptyFileError, match="40 targets with a bearing from the bow and no true heading before it"):
+        read_detections(magnetic)
+
+
+def test_bearings_that_stand_for_none(tmp_path):
+    bearing = BEARING.copy()
+    bearing[10:15] = 511.0
+    found = read_detections(table(tmp_path / "a.csv", "t [s],range [m],bearing [deg]", T, RANGE, bearing))
+    assert len(found.plots) == 35 and "511 deg or more" in kinds(found)["bearings-impossible"]
+    onward = table(tmp_path / "b.csv", "t [s],range [m],bearing [deg]", T, RANGE, 350 + 3.0 * np.arange(40))
+    assert len(read_detections(onward).plots) == 40
+    none = targets(tmp_path / "c.nmea", lambda t: target(t) if t % 9 else "RATTM,01,99.99,999.9,T,,,T,,,N,,T,,,A")
+    assert len(read_detections(none).plots) == 26
+
+
+def test_two_clocks_that_do_not_overlap(tmp_path):
+    late = T + np.where(np.arange(40) % 2, 3600.0, 0.0)
+    found = read_detections(table(tmp_path / "a.csv", "t [s],range [m],bearing [deg]", late, RANGE, BEARING))
+    notice = kinds(found)["two-clocks"]
+    assert notice.serious and "go back 19 times" in notice
+    halves = np.concatenate([T[:20], T[20:] + 3600.0])
+    assert "two-clocks" not in kinds(
+        read_detections(table(tmp_path / "b.csv", "t [s],range [m],bearing [deg]", halves, RANGE, BEARING))
+    )
+
+
+def test_lines_that_are_no_sentences_are_counted(tmp_path):
+    log = targets(tmp_path / "a.nmea", lambda t: target(t))
+    log.write_text(log.read_text().replace(",N,,T", ",N,Möwe,T"), encoding="utf-8")
+    with pytest.raises(EmptyFileError, match="40 lines that are no whole sentences"):
+        read_detections(log)
+
+
+def test_plots_of_no_sensor_and_a_scan_without_a_time():
+    found = make_plots(np.arange(3.0), 100 + np.arange(3.0), np.zeros(3), sensor=np.array([0, 1, 7]))
+    assert len(found) == 1 and any("2 plots of a sensor that is not described" in n for n in found.notes)
+    with pytest.raises(EncounterRequestError, match="its scan a time above zero"):
+        Sensor(period=float("nan"))

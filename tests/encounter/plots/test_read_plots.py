@@ -215,7 +215,7 @@ def test_ttm(tmp_path):
     log.write_text("\n".join([lost, *(ttm(k) for k in range(T.size))]))
     found = read_detections(log)
     is_the_target(found, 8.0)
-    assert any("1 target left out" in n for n in found.plots.notes)
+    assert any("1 target lost by the radar left out" in n for n in found.plots.notes)
 
 
 def test_sentences_that_are_damaged_are_counted_and_others_are_no_table(tmp_path):
@@ -435,7 +435,7 @@ def test_ttm_that_does_not_say_from_where_its_bearing_counts(tmp_path):
     lines.append(sentence("RATTM,02,1.0,10.0,,,,T,,,N,,T,,100000.00,A"))
     (tmp_path / "radar.nmea").write_text("\n".join(lines))
     found = read_detections(tmp_path / "radar.nmea")
-    assert len(found.plots) == T.size and any("1 target left out" in n for n in found.plots.notes)
+    assert len(found.plots) == T.size and any("neither T nor R left out" in n for n in found.plots.notes)
 
 
 def test_ais_of_what_is_no_ship_and_of_own_ship(tmp_path):

@@ -115,3 +115,10 @@ def test_any_text_is_read_or_refused_in_words(text):
         read("lat,lon\n" + text)
     except (RouteError, NoUnitError, AmbiguousNumberError) as error:
         assert "'a.csv'" in str(error)
+
+
+def test_units_in_the_cells_and_longitudes_that_count_eastward():
+    route = read("name,lat,lon,radius\nA,-10 deg,179.96 deg,\nB,-10 deg,180.02 deg,0.5 nm\n")
+    assert degrees(route)[1] == pytest.approx((-10, -179.98)) and route.waypoints[1].radius == pytest.approx(926)
+    with pytest.raises(WaypointError, match=r"'0\.5 nm' is not a number"):
+        read("lat [deg],lon [deg],radius [m]\n53,8,\n53.1,8,0.5 nm\n")

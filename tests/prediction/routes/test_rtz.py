@@ -189,3 +189,16 @@ def test_a_damaged_file_is_read_or_refused_in_words(begin, gone, put):
         read_rtz(data[:begin] + put + data[begin + gone :], "'a.rtz'")
     except RouteError as error:
         assert "'a.rtz'" in str(error)
+
+
+def test_a_waypoint_with_two_positions_is_refused():
+    twice = point(inside='<position lat="54" lon="8"/>')
+    with pytest.raises(WaypointError, match="waypoint 2 has two positions"):
+        read_rtz(rtz(point("53.4") + twice), "'a.rtz'")
+
+
+def test_longitudes_that_count_eastward_over_the_date_line():
+    route = read_rtz(rtz(point("-10", "179.96") + point("-10", "180.02")), "'a.rtz'")
+    assert math.degrees(route.waypoints[1].position[1]) == pytest.approx(-179.98)
+    with pytest.raises(WaypointError, match="no place on the earth"):
+        read_rtz(rtz(point("-10", "179.96") + point("-10", "361")), "'a.rtz'")

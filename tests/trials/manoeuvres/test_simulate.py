@@ -317,6 +317,8 @@ def length(number: float) -> ParameterSet:
         ({"model": "pershitz-track", "ship": "semerdjiev"}, UsageError, "reads no rudder angle 'delta'"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "current": (1.0, 0.0)}, UsageError, "a current does not"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "wind": (1.0, 0.0)}, UsageError, "a wind does not act"),
+        ({"wind": "-5 m/s from 30 deg"}, UsageError, "the wind is -5 m/s: its size is not below zero"),
+        ({"current": "100 kn to 30 deg"}, UsageError, "nor above 15 m/s, which no current reaches"),
         ({"waves": "0.3 deg"}, UsageError, "'0.3 deg' does not say where it flows: write '0.5 deg from 300 deg'"),
         ({"waves": "0.3 m from 40 deg"}, UnitError, "heading by the waves"),
         ({"model": "nomoto", "ship": "zeefakkel", "speed": "9 m/s"}, ParameterSetError, "known from 2 to 6.2 m/s"),

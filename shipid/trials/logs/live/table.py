@@ -21,6 +21,7 @@ from shipid.trials.logs.live.cells import LetteredCells, clock_columns_of, plain
 from shipid.trials.logs.live.clock import RunningClock
 from shipid.trials.logs.naming import by_format, by_header
 from shipid.trials.logs.positions import pair_of, with_degrees
+from shipid.trials.logs.tables.cell_units import number_and_unit, same_unit, stated_units, unit_of_cell
 from shipid.trials.logs.tables.files.text_fields import fields
 from shipid.trials.logs.tables.files.text_layout import TextLayout, lay_out
 from shipid.trials.logs.tables.header_rows import is_sample_row
@@ -84,6 +85,7 @@ class LiveTable:
         self._join: Callable[[Sequence[str]], list[str]] = list
         self._letters: dict[int, LetteredCells] = {}
         self._headers: tuple[str, ...] = ()
+        self._units_of_cells: dict[int, str] = {}
         self._sign: Decimal | None = None
         sign = re.escape(self._comment)
         self._remark = re.compile(rf"(?:^|\s){sign}(?![A-Z0]+[/!?]|NA|NV).*")  # #N/A, #DIV/0! are cells
@@ -181,7 +183,30 @@ class LiveTable:
             self._headers = tuple(headers.header(name, unit) if name and unit else name for name, unit in pairs)
         else:
             self._headers = layout.headers
+        first = next((line for line in self._head[layout.skip :] if line.strip() and not self._is_comment(line)), "")
+        self._take_units(fields(first, layout.separator))
         return layout
+
+    def _take_units(self, first: list[str]) -> None:
+        """Take the unit of a column from its first cell, where neither header nor format says one."""
+        of_format = stated_units(self._fmt)
+        for k, cell in enumerate(first):
+            header = self._headers[k] if k < len(self._headers) else ""
+            name, unit = headers.split_header(header)
+            unit = of_format.get(k) or of_format.get(name) or of_format.get(header) or unit
+            unit_of_first = unit_of_cell(cell)
+            if unit is None and unit_of_first and name:
+                unit = unit_of_first
+                self._headers = (*self._headers[:k], headers.header(name, unit), *self._headers[k + 1 :])
+            if unit:
+                self._units_of_cells[k] = unit
+
+    def _bare(self, k: int, cell: str) -> str:
+        """A cell without the unit behind its number, where that is the unit of its column."""
+        if cell[-1:].isdigit():
+            return cell
+        apart, unit = number_and_unit(cell), self._units_of_cells.get(k)
+        return apart[0] if apart and unit and same_unit(apart[1], unit) else cell
 
     def _row(self, number: int, line: str) -> Iterator[LiveSample]:
         assert self._layout is not None
@@ -198,6 +223,7 @@ class LiveTable:
             self._tell(f"{self._where}, line {number}: the same as the line before; left out.")
             return
         self._before = cells
+        cells = [self._bare(k, cell) for k, cell in enumerate(cells)]
         if self._clock is None and not (self._fmt is not None and self._fmt.interval is not None and self._channels):
             self._waiting.append((number, cells))
             yield from self._begin(last=len(self._waiting) >= _FIRST)

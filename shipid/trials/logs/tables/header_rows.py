@@ -14,6 +14,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnitError
 from shipid.trials import columns
 from shipid.trials.errors import HeaderError
+from shipid.trials.logs.tables.cell_units import unit_of_cell
 from shipid.trials.logs.tables.numerals import is_missing, is_number, tidy
 
 #: What a cell of a sheet can hold; a cell of a text file is text.
@@ -83,7 +84,9 @@ def sort_of(cell: Cell) -> _Sort:
         return "empty"
     if is_number(cell):
         return "number"
-    return "stamp" if len(cell) < 60 and _STAMP.fullmatch(tidy(cell)) else "text"
+    if len(cell) < 60 and _STAMP.fullmatch(tidy(cell)):
+        return "stamp"
+    return "number" if unit_of_cell(cell) is not None else "text"
 
 
 def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where: str) -> HeaderBlock | None:

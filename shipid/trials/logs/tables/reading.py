@@ -8,6 +8,7 @@ from pathlib import Path
 from shipid.trials.errors import ChoiceError
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.tables.archive import in_archive
+from shipid.trials.logs.tables.cell_units import stated_units, with_cell_units
 from shipid.trials.logs.tables.files.arrays import read_arrays
 from shipid.trials.logs.tables.files.excel import read_excel
 from shipid.trials.logs.tables.files.hdf5 import hdf5_arrays
@@ -66,4 +67,4 @@ def read_table(file: Path, fmt: TrialFormat | None = None, part: str | None = No
         old = kind is Kind.MATLAB and b"\x89HDF" not in data[:4104]
         arrays = matlab_arrays(data, file) if old else hdf5_arrays(data, file)
         table = read_arrays(on_one_clock(arrays), file, wanted, columns, "struct" if kind is Kind.MATLAB else "group")
-    return samples_only(replace(table, notes=(*notes, *table.notes)))
+    return with_cell_units(samples_only(replace(table, notes=(*notes, *table.notes))), stated_units(fmt))

@@ -117,6 +117,15 @@ def test_a_letter_that_leaves_the_side_open_is_told():
     assert sum("delta is no number there" in line for line in told) == 3
 
 
+@pytest.mark.parametrize("comma", [False, True])
+def test_units_in_the_cells(tmp_path, comma):
+    table = frame(**{"t [s]": SECONDS})
+    cells = pd.DataFrame({h.split()[0]: [f"{v:.4f} {h[h.index('[') + 1 : -1]}" for v in table[h]] for h in table})
+    text = cells.to_csv(index=False, sep=";")
+    trial, _ = same_as_the_record(text.replace(".", ",") if comma else text, tmp_path / "log.csv")
+    np.testing.assert_allclose(trial["delta"], np.deg2rad(table["delta [deg]"]), atol=1e-6)
+
+
 def test_a_clock_that_counts_from_midnight_and_names_that_end_in_a_unit(tmp_path):
     table = frame(t_s=(86390 + SECONDS) % 86400).rename(columns={"psi [deg]": "psi_deg", "delta [deg]": "delta_deg"})
     _, told = same_as_the_record(table.to_csv(index=False), tmp_path / "log.csv", atol=1e-6)
