@@ -10,6 +10,7 @@ from shipid.declaration.units import to_si
 from shipid.encounter.avoidance import Avoidance, OtherShip, Passing
 from shipid.encounter.errors import EncounterRequestError
 from shipid.encounter.ship_domain import ShipDomain
+from shipid.foundation.numbers import brief
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import TrackPredictor
@@ -78,7 +79,7 @@ def avoid(
     count = int(np.floor(far / fine + 1e-9))
     if count > _MOST_STEPS:
         raise EncounterRequestError(
-            f"alterations in steps of {np.rad2deg(fine):.3g} deg up to {np.rad2deg(far):g} deg are {count} to a side, and at most "
+            f"alterations in steps of {brief(float(np.rad2deg(fine)))} deg up to {np.rad2deg(far):g} deg are {count} to a side, and at most "
             f"{_MOST_STEPS} are tried. Give a larger step."
         )
     others = [others] if isinstance(others, OtherShip) else list(others)

@@ -330,7 +330,7 @@ def _signs(model: Model, ship: ParameterSet) -> list[Notice]:
         least = float(np.min(value.value))
         if least < 0:
             unit = "" if value.unit == "1" else f" {value.unit}"
-            wrong[name] = f"{name} is {least:.4g}{unit}"
+            wrong[name] = f"{name} is {brief(least, 4)}{unit}"
     if not wrong:
         return []
     return [

@@ -12,6 +12,7 @@ from shipid.declaration.quantity import constant, given, state
 from shipid.declaration.units import factor
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import ParameterSetError
+from shipid.foundation.numbers import brief
 
 #: What a steering gear can do: name, words, SI unit, unit shown, and the most of it.
 GEAR = {
@@ -72,5 +73,5 @@ def check_gear(name: str, value: float, ship: str) -> None:
     shown = value * factor(si, unit)
     if not 0 < shown <= most * (1 + 1e-9):
         raise ParameterSetError(
-            f"{words} {name} of ship {ship} is {shown:.4g} {unit}: give one above zero, to {most:g} {unit}."
+            f"{words} {name} of ship {ship} is {brief(shown, 4)} {unit}: give one above zero, to {most:g} {unit}."
         )
