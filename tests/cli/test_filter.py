@@ -131,6 +131,16 @@ def answer_of(call, tmp_path, text, *options):
     return answer.out
 
 
+def test_a_stream_of_which_every_sample_is_left_out_is_no_success(call, lines, monkeypatch):
+    header, *rows = lines[:40]
+    place = header.split(",").index("delta [deg]")
+    empty = [",".join("" if k == place else c for k, c in enumerate(row.split(","))) for row in rows]
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n".join([header, *empty]) + "\n"))
+    answer = call("filter", "--follow", "-", *NOMOTO, *SENSORS)
+    assert answer.code == 3 and not answer.out
+    assert "gave no estimate" in answer.err
+
+
 def test_a_stream_that_begins_before_its_rudder(call, lines, monkeypatch):
     header, *rows = lines[:40]
     late = [

@@ -63,9 +63,10 @@ def follow(
     Raises
     ------
     TrialError
-        If nothing comes before the source ends, or its header cannot be read.
+        If nothing comes before the source ends, its header cannot be read, or no sample gives an estimate.
     """
     from shipid.declaration.units import to_si
+    from shipid.trials.errors import EmptyFileError
     from shipid.trials.logs.live.lines import lines_of
     from shipid.trials.logs.live.reader import LiveLog
     from shipid.trials.logs.nmea.settings import chosen_format
@@ -85,6 +86,8 @@ def follow(
             online = printer.start(model, ship, measured, settings, log, heard)
     if online is None:
         online = printer.start(model, ship, measured, settings, log, heard)
+    if not printer.count:
+        raise EmptyFileError(f"'{source}' gave no estimate: each of its samples was left out, for the reasons above.")
     printer.look(online)
     return ExitCode.DOUBTFUL if any(n.serious for n in warned()) else ExitCode.DONE
 
