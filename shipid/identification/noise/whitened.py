@@ -86,13 +86,15 @@ def _covariance(
         drawn = effects_of(problem, q, i)
         changes = [np.zeros((0, len(problem.signals), data.intervals.size))]
         changes += [c for c in (unsure, None if drawn is None else drawn / np.sqrt(len(drawn))) if c is not None]
-        series = _series(problem, i, residual, jacobian, np.concatenate(changes))
-        white = np.vstack([_beyond_past(g, next(left)) for g in series])
+        together = np.concatenate(changes)
+        series = _series(problem, i, residual, jacobian, together)
+        white = np.vstack([np.zeros((0, 1 + size + len(together))), *(_beyond_past(g, next(left)) for g in series)])
         rows.append(white[:, : 1 + size])
         gradient = white[:, 1 : 1 + size].T @ white[:, 1 + size :]
         count = 0 if unsure is None else len(unsure)
         # An error of all trials moves the coefficients in each of them.
-        of_all = gradient[:, :count] + (of_all if of_all.shape[1] == count else 0.0)
+        if count:
+            of_all = gradient[:, :count] + (of_all if of_all.shape[1] else 0.0)
         of_one.append(gradient[:, count:])
     cover, inverse = _covers(np.vstack(rows))
     moved = inverse @ np.concatenate([of_all, *of_one], axis=1)
