@@ -57,7 +57,7 @@ def with_values(
     taken: dict[str, list[str]] = {}
     for name, text in values.items():
         unit, meaning, holders = _declared(name, models)
-        number = to_si(text, unit, f"'{name}' ({meaning})") if isinstance(text, str) else float(text)
+        number = float(text) if isinstance(text, (int, float)) else to_si(text, unit, f"'{name}' ({meaning})")
         value = Value(name, number, unit, source)
         if not holders:
             # A particular is every model's: nothing else may go before it.

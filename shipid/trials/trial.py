@@ -187,8 +187,10 @@ class Trial(DrawnResult):
         slack = 0.5 * self.sampling if len(self) > 1 else 0.0
         span = f"The record '{self.name}' runs from {moment(t[0])} to {moment(t[-1])} s."
         if not a < b:
+            # As it was typed, where it is no number.
+            first, last = (moment(x) if np.isfinite(x) else f"{x:g}" for x in (a, b))
             raise WindowError(
-                f"the window {moment(a)}:{moment(b)} is empty or runs backwards. {span} Write start:end in seconds."
+                f"the window {first}:{last} is empty or runs backwards. {span} Write start:end in seconds."
             )
         if a < t[0] - slack or b > t[-1] + slack:
             raise WindowError(

@@ -226,7 +226,7 @@ def test_no_ship_and_no_numbers():
         shipid.design_autopilot(yaw, ship(L=100.0))
     with pytest.raises(ParameterSetError, match="the speed of ship test is -1"):
         shipid.design_autopilot(yaw, ship(**GOOD | {"speed": -1.0}))
-    with pytest.raises(ParameterSetError, match="largest rudder rate of ship test is 0"):
+    with pytest.raises(ParameterSetError, match="largest rudder rate delta_rate of ship test is 0"):
         shipid.design_autopilot(yaw, ship(**GOOD | {"delta_rate": 0.0}))
     light = shipid.find_ship("zeefakkel").sections["nomoto"]
     bare = ParameterSet("bare", sections={"nomoto": {n: Value(n, 1.0, v.unit, "assumed") for n, v in light.items()}})

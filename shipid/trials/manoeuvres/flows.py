@@ -78,7 +78,7 @@ def flow_of(flow: Flow | None, what: str, unit: str = "m/s") -> tuple[float, flo
     most = _MOST.get(what, np.inf) if unit == "m/s" else np.inf
     if not 0 <= found <= most:
         raise UsageError(
-            f"the {what} is {flow[0]}: its size is not below zero"
+            f"the {size_of} is {flow[0]}: it is a size, not below zero"
             + (f", nor above {most:g} m/s, which no {what} reaches" if np.isfinite(most) else "")
             + ". Turn the direction over instead of the sign."
         )

@@ -167,7 +167,7 @@ def test_a_flow_is_said_as_at_the_command_line(name: str, text: str, pair: Plain
     for signal in ("x", "y", "psi", "r"):
         np.testing.assert_allclose(said[signal], given[signal], rtol=0, atol=1e-12)
     assert f"{name} {text}" in said.source.comment
-    assert f"{name} {'10 m/s to 1.571 rad' if name == 'wind' else ' to '.join(pair)}" in given.source.comment
+    assert f"{name} {'10 m/s to 90 deg' if name == 'wind' else ' to '.join(pair)}" in given.source.comment
 
 
 def test_a_model_that_reads_the_wind_itself_is_turned_by_it_and_its_log_shows_it() -> None:
@@ -317,7 +317,7 @@ def length(number: float) -> ParameterSet:
         ({"model": "pershitz-track", "ship": "semerdjiev"}, UsageError, "reads no rudder angle 'delta'"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "current": (1.0, 0.0)}, UsageError, "a current does not"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "wind": (1.0, 0.0)}, UsageError, "a wind does not act"),
-        ({"wind": "-5 m/s from 30 deg"}, UsageError, "the wind is -5 m/s: its size is not below zero"),
+        ({"wind": "-5 m/s from 30 deg"}, UsageError, "the speed of the wind is -5 m/s: it is a size, not below zero"),
         ({"current": "100 kn to 30 deg"}, UsageError, "nor above 15 m/s, which no current reaches"),
         ({"waves": "0.3 deg"}, UsageError, "'0.3 deg' does not say where it flows: write '0.5 deg from 300 deg'"),
         ({"waves": "0.3 m from 40 deg"}, UnitError, "heading by the waves"),

@@ -11,10 +11,8 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration import units
-from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnitError
 from shipid.trials import columns as spelling
-from shipid.trials.errors import HeaderError
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.tables.numerals import MISSING, Decimal, certain_sign
 from shipid.trials.logs.tables.table import RawTable
@@ -108,16 +106,13 @@ def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
     Returns
     -------
     RawTable
-        A note says which columns were read so. Other columns stay as they are.
-
-    Raises
-    ------
-    HeaderError
-        If the cells of a column that a trial knows say several units, or another one than the column's.
+        A note says which columns were read so. Other columns stay as they are; those whose cells say several units, or another one than the
+        column's, are named in its `conflicts`.
     """
     columns, beside, notes = list(raw.columns), list(raw.units), list(raw.notes)
     beside += [None] * (len(columns) - len(beside))
     decimal: Decimal | None = raw.decimal
+    conflicts: dict[int, tuple[int, str]] = {}
     for k, column in enumerate(columns):
         if not (column.dtype.kind == "O" or isinstance(column.dtype, pd.StringDtype)):
             continue
@@ -127,12 +122,10 @@ def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
         try:
             found = _split(column, said)
         except _ConflictError as conflict:
-            if name in FIELDS or k in stated or header in stated:
-                at = raw.line(int(np.flatnonzero(column.index == conflict.at)[0]))
-                raise HeaderError(
-                    f"{raw.where}, {raw.row} {at}, column '{name}': the cell says the unit {conflict.unit}, {conflict.other}. "
-                    "Write all cells in one unit, that of the header."
-                ) from None
+            # A column that nothing uses is no fault.
+            at = int(np.flatnonzero(column.index == conflict.at)[0])
+            beside[k] = beside[k] or said or conflict.first
+            conflicts[k] = at, f"the cell says the unit {conflict.unit}, {conflict.other}"
             continue
         if found is None:
             continue
@@ -141,15 +134,17 @@ def with_cell_units(raw: RawTable, stated: Mapping[str | int, str]) -> RawTable:
             beside[k] = unit
         notes.append(f"Column '{name}': each cell says the unit {unit}.")
         decimal = decimal or next((sign for cell in columns[k].dropna() if (sign := certain_sign(cell))), None)
-    return replace(raw, columns=tuple(columns), units=tuple(beside), notes=tuple(notes), decimal=decimal)
+    return replace(
+        raw, columns=tuple(columns), units=tuple(beside), notes=tuple(notes), decimal=decimal, conflicts=conflicts
+    )
 
 
 class _ConflictError(Exception):
     """A cell says another unit than its column or another cell."""
 
-    def __init__(self, at: int, unit: str, other: str) -> None:
+    def __init__(self, at: int, unit: str, other: str, first: str) -> None:
         super().__init__(unit)
-        self.at, self.unit, self.other = at, unit, other
+        self.at, self.unit, self.other, self.first = at, unit, other, first
 
 
 def _split(column: pd.Series, said: str | None) -> tuple[pd.Series, str] | None:
@@ -174,7 +169,7 @@ def _split(column: pd.Series, said: str | None) -> tuple[pd.Series, str] | None:
     other = next((u for u in found if not same_unit(u, said or found[0])), None)
     if other is not None:
         what = f"and the column {said}" if said else f"and cells above it {found[0]}"
-        raise _ConflictError(seen.index[seen == other][0], other, what)
+        raise _ConflictError(seen.index[seen == other][0], other, what, found[0])
     numbers = column.astype(object).copy()
     numbers[texts.index] = np.where(seen.notna(), parts["number"], cells)
     return numbers.astype("str").where(numbers.notna()), found[0]

@@ -62,6 +62,8 @@ class RawTable:
         Regular expression of the separator of a text file.
     skip : int or None
         Lines before the first sample of a text file; None where its header is a comment.
+    conflicts : mapping of int to (int, str)
+        Columns whose cells say another unit than the column or each other: the sample where they do, and what they say.
     """
 
     name: str
@@ -78,6 +80,7 @@ class RawTable:
     printed: Callable[[int], pd.Series] | None = field(default=None)
     separator: str | None = None
     skip: int | None = None
+    conflicts: Mapping[int, tuple[int, str]] = field(default_factory=dict)
 
     @property
     def full_headers(self) -> tuple[str, ...]:
@@ -312,6 +315,11 @@ class _Cells:
         if self._read[k].dtype.kind not in "fiu":
             return TextInColumnError(
                 f"{raw.where}, column '{name}': it holds dates or times, and is not the clock. Leave it out."
+            )
+        if k in raw.conflicts:
+            at, words = raw.conflicts[k]
+            return TextInColumnError(
+                f"{raw.where}, {raw.row} {raw.line(at)}, column '{name}': {words}. Write all cells in one unit, that of the header."
             )
         strange = self._strange.get(k)
         if strange is None or not strange.any():
