@@ -225,7 +225,10 @@ def _times(trial: Trial) -> np.ndarray:
 
 def _averaged(t: np.ndarray) -> float:
     """Half the time over which positions are averaged in a figure, in s: no ship turns in it so far that it is seen. 0 of few."""
-    return 0.0 if t.size < _FEW else max(5 * usual_interval(t), min(_CALM, 0.01 * float(np.ptp(t))))
+    if t.size < _FEW:
+        return 0.0
+    every = usual_interval(t)
+    return max(2.5 * every, min(_CALM, max(5 * every, 0.01 * float(np.ptp(t)))))
 
 
 def _fixes(trial: Trial) -> tuple[np.ndarray, np.ndarray] | None:

@@ -35,3 +35,11 @@ def test_a_measured_track_is_no_band_of_fixes():
     sailed = np.hypot(np.diff(true["y"]), np.diff(true["x"])).sum()
     # Fixes of 8 m at each second make a path nearly twice as long as the ship's.
     assert length[0] < 1.05 * sailed < length[1]
+
+
+def test_swings_that_last_few_fixes_are_drawn():
+    """A fix every 6 s, and swings of about a minute: averaged over eleven fixes, a quarter of a swing was gone."""
+    trial = shipid.simulate("nomoto", "zeefakkel", "zigzag:20/20", sampling="6 s")
+    measured = _drawn(trial)["measured"]
+    across = np.interp(trial["x"], measured.get_ydata(), measured.get_xdata())
+    assert np.abs(across - trial["y"]).max() < 0.05 * np.ptp(trial["y"])
