@@ -63,7 +63,9 @@ def follow(
     Raises
     ------
     TrialError
-        If nothing comes before the source ends, its header cannot be read, or no sample gives an estimate.
+        If nothing comes before the source ends, or its header cannot be read.
+    EmptyFileError
+        If no sample gives an estimate.
     """
     from shipid.declaration.units import to_si
     from shipid.trials.errors import EmptyFileError
