@@ -196,8 +196,19 @@ def rested(frame: pd.DataFrame) -> pd.DataFrame:
     for k, kind in enumerate(plain.dtypes):
         if kind.kind == "f":
             column = plain.iloc[:, k].to_numpy()
-            plain.isetitem(k, np.where(np.abs(column) < _LEAST, 0.0, column))
+            plain.isetitem(k, settled(column))
     return plain
+
+
+def settled(values: np.ndarray) -> np.ndarray:
+    """Return numbers with zero in the place of what a file holds as none: the same when a table is read as when it is written.
+
+    Parameters
+    ----------
+    values : ndarray
+        Any numbers; NaN stays.
+    """
+    return np.where(np.abs(values) < _LEAST, 0.0, values)
 
 
 def csv_of(frame: pd.DataFrame, digits: int | None = None) -> str:

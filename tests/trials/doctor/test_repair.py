@@ -93,3 +93,13 @@ def test_a_trial_in_memory_is_repaired_too(simulated, tmp_path):
     turned = shipid.Trial("turned", table)
     fix_trial(turned, tmp_path / "fixed.csv")
     np.testing.assert_allclose(shipid.read_trial(tmp_path / "fixed.csv")["r"], trial["r"], atol=1e-9)
+
+
+def test_times_that_a_file_holds_as_one_are_one(tmp_path):
+    """1e-300 s and 0 s are written alike: the log that was repaired had a clock that repeats, and was refused."""
+    source = tmp_path / "log.csv"
+    body = "".join(f"{t},{k % 7},{10 if k % 40 < 20 else -10}\n" for k, t in enumerate(["0", "1e-300", *range(1, 120)]))
+    source.write_text("t [s],psi [deg],delta [deg]\n" + body, encoding="utf-8")
+    fix_trial(source, tmp_path / "fixed.csv")
+    t = shipid.read_trial(tmp_path / "fixed.csv")["t"]
+    assert t.size == 121 and (np.diff(t) > 0).all() and t[-1] == 119.0

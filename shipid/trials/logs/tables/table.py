@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.result import settled
 from shipid.trials import columns as spelling
 from shipid.trials.errors import EmptyFileError, HeaderError, TextInColumnError, TrialError
 from shipid.trials.logs.clocks.formatted import clock_columns, formatted_clock
@@ -281,7 +282,7 @@ class _Cells:
         """Return a column as numbers, NaN where it holds none."""
         if column.dtype.kind not in "fiu":
             return np.full(len(column), np.nan)
-        return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))
+        return settled(column.to_numpy(dtype=float, na_value=np.nan))
 
     def first(self, k: int) -> str:
         """Return the first cell of a column that holds something, as it is printed."""
