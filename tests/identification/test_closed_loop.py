@@ -74,6 +74,14 @@ def test_a_kept_course_gives_no_number(kept):
     assert notice.kind == "not-determined" and notice.serious and "Change the course" in str(notice)
 
 
+def in_heavy_waves(step: int, seed: int, first: int) -> shipid.Trial:
+    """The zeefakkel under her autopilot, whose rudder answers the waves; courses to and fro from a first time in s on."""
+    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
+    orders = [(f"{first + 140 * k} s", f"{step} deg" if k % 2 == 0 else "0 deg") for k in range(6)]
+    how = {"waves": "1 deg from 40 deg", "noise": "psi=0.2 deg,r=0.05 deg/s", "duration": "900 s", "sampling": "1 s"}
+    return shipid.sail(pilot, orders, **how, seed=seed)
+
+
 def _serious(fit):
     return {f.finding.kind for f in shipid.assess(fit, bands=False).assessment.findings if f.finding.serious}
 
@@ -118,17 +126,7 @@ def test_waves_that_the_rudder_follows_leave_the_truth_within_a_tenth() -> None:
 @pytest.mark.parametrize("purpose", [None, "filter"])
 def test_a_rudder_that_answers_heavy_waves_leaves_no_bias(purpose) -> None:
     """Output error by name finds three quarters of the time constant: the noise that the rudder answered counts as her answer to the rudder."""
-    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
-    orders = [(f"{30 + 140 * k} s", "20 deg" if k % 2 == 0 else "0 deg") for k in range(6)]
-    trial = shipid.sail(
-        pilot,
-        orders,
-        waves="1 deg from 40 deg",
-        noise="psi=0.2 deg,r=0.05 deg/s",
-        duration="900 s",
-        sampling="1 s",
-        seed=6,
-    )
+    trial = in_heavy_waves(20, 6, first=30)
     plain = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, method="output-error")
     fit = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, purpose=purpose)
     assert fit.identified.solution.whitened
@@ -139,12 +137,9 @@ def test_a_rudder_that_answers_heavy_waves_leaves_no_bias(purpose) -> None:
 
 def test_intervals_of_whitened_residuals_hold_what_they_say() -> None:
     """The numbers of the autoregression are estimated too, and the rudder moves between its samples: without either a third are missed."""
-    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
-    orders = [(f"{20 + 140 * k} s", "10 deg" if k % 2 == 0 else "0 deg") for k in range(6)]
-    how = {"waves": "1 deg from 40 deg", "noise": "psi=0.2 deg,r=0.05 deg/s", "duration": "900 s", "sampling": "1 s"}
     errors = []
     for seed in range(103, 106):
-        fit = shipid.identify("nomoto", [shipid.sail(pilot, orders, **how, seed=seed)], ship="zeefakkel", starts=1)
+        fit = shipid.identify("nomoto", [in_heavy_waves(10, seed, first=20)], ship="zeefakkel", starts=1)
         assert fit.identified.solution.whitened
         errors += [(fit.parameters[n].value - v) / fit.parameters[n].std for n, v in (("K", 0.5), ("tau", 31.0))]
     assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.5
@@ -183,17 +178,7 @@ def test_samples_of_the_rudder_that_are_missing_do_not_matter() -> None:
 
 
 def test_whitened_coefficients_beyond_their_bounds_are_no_result() -> None:
-    pilot = shipid.design_autopilot("nomoto", "zeefakkel")
-    orders = [(f"{30 + 140 * k} s", "20 deg" if k % 2 == 0 else "0 deg") for k in range(6)]
-    trial = shipid.sail(
-        pilot,
-        orders,
-        waves="1 deg from 40 deg",
-        noise="psi=0.2 deg,r=0.05 deg/s",
-        duration="900 s",
-        sampling="1 s",
-        seed=3,
-    )
+    trial = in_heavy_waves(20, 3, first=30)
     plain = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, method="output-error").identified
     assert on_white_residuals(plain.solution, plain.box).whitened
     narrow = replace(plain.box, high=1.05 * plain.solution.parameters)
