@@ -167,8 +167,8 @@ def stretches_of(
 
 def _cut(trial: Trial, rows: np.ndarray, named: bool) -> Trial:
     t = trial["t"]
-    name = trial.window(float(t[rows[0]]), float(t[rows[-1]])).name if named else trial.name
-    return replace(trial, name=name, table=trial.table.iloc[rows].reset_index(drop=True))
+    cut = trial.window(float(t[rows[0]]), float(t[rows[-1]])) if named else trial
+    return cut if len(cut) == rows.size else replace(cut, table=trial.table.iloc[rows].reset_index(drop=True))
 
 
 def _speed_before(trial: Trial, unit_time: float | None) -> float | None:

@@ -184,7 +184,6 @@ class Trial(DrawnResult):
         t = self["t"]
         a = float(t[0]) if start is None else float(start)
         b = float(t[-1]) if end is None else float(end)
-        slack = 0.5 * self.sampling if len(self) > 1 else 0.0
         span = f"The record '{self.name}' runs from {moment(t[0])} to {moment(t[-1])} s."
         if not a < b:
             # As it was typed, where it is no number.
@@ -192,7 +191,8 @@ class Trial(DrawnResult):
             raise WindowError(
                 f"the window {first}:{last} is empty or runs backwards. {span} Write start:end in seconds."
             )
-        if a < t[0] - slack or b > t[-1] + slack:
+        over = max(t[0] - a, b - t[-1])
+        if over > 0 and (len(self) < 2 or over > 0.5 * self.sampling):
             raise WindowError(
                 f"the window {moment(a)}:{moment(b)} s reaches outside the record. {span} Choose a window inside it."
             )

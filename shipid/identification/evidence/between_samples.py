@@ -207,7 +207,8 @@ def _moves(solution: Solution, changes: np.ndarray) -> bool:
     norms = np.where(norms > 0, norms, 1.0)
     whole = np.pad(changes, ((0, 0), (0, solution.residual.size - changes.shape[1])))
     step = np.linalg.lstsq(solution.jacobian / norms, whole.T, rcond=_TINY)[0] / norms[:, None]
-    spread = np.sqrt(np.diag(covariance_of(replace(solution, others=())).matrix)[:shared])
+    alone = replace(solution, others=()) if solution.others else solution
+    spread = np.sqrt(np.diag(covariance_of(alone).matrix)[:shared])
     return bool((np.abs(step[:shared]) > _MOVES * spread[:, None]).any())
 
 

@@ -21,7 +21,7 @@ from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import number
 from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import plain
-from shipid.identification.noise.autoregression import Autoregression, autoregression_of, whitened
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, colour, whitened
 from shipid.identification.noise.residual_groups import groups_of
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.problem.trial_data import TrialData
@@ -158,12 +158,12 @@ def missing_effect(
     before: float | None = None
     noise: list[Autoregression] = []
     evidence, errors = {}, {}
-    for name in names:
-        rows, pulled = _rows(solution, yaw, [k[name] for k in kinds], turning)
+    for name, (rows, pulled) in zip(names, _rows(solution, yaw, [[k[n] for n in names] for k in kinds], turning)):
         if before is None:
             # Without an effect all are alike.
             noise = [autoregression_of(r.residual) for r in rows]
-            if not any(model.order for model in noise):
+            # A record in many series has one of them that looks coloured by chance.
+            if sum(colour(m, r.residual) for m, r in zip(noise, rows) if m.order) <= np.log(len(rows)):
                 return None
             before = _weighed(rows, noise, alone=True).likelihood
         if solution.whitened:
@@ -241,15 +241,23 @@ def _late(drive: np.ndarray, share: float) -> np.ndarray:
 
 
 def _rows(
-    solution: Solution, yaw: Sequence[int], effects: Sequence[np.ndarray], turning: float
-) -> tuple[list[_Rows], np.ndarray]:
-    """Series of the residuals of heading and rate of turn, and by what an effect of unit size pulls each unknown."""
+    solution: Solution, yaw: Sequence[int], effects: Sequence[Sequence[np.ndarray]], turning: float
+) -> Iterator[tuple[list[_Rows], np.ndarray]]:
+    """Of each effect the series of the residuals of heading and rate of turn, and by what one of unit size pulls each unknown.
+
+    The effects of each trial are those of `EFFECTS` that all trials have, in the same order.
+    """
     problem = solution.problem
-    signals = len(problem.signals)
-    unit = np.sqrt(np.concatenate([e[0] ** 2 for e in effects], axis=1).mean(axis=1))
+    signals, size = len(problem.signals), problem.size
+    if not effects or not effects[0]:
+        return
+    widths = [e.shape[1] for e in effects[0]]
+    # All effects beside each other: residuals are put in series once.
+    together = [np.concatenate(of_trial, axis=1) for of_trial in effects]
+    unit = np.sqrt(np.concatenate([e[0] ** 2 for e in together], axis=1).mean(axis=1))
     scale = np.where(unit > 0, turning / np.where(unit > 0, unit, 1.0), 0.0)
-    found, along = [], np.zeros((problem.size, scale.size))
-    for i, (data, effect, rows) in enumerate(zip(problem.trials, effects, problem.rows)):
+    found, along = [], np.zeros((size, scale.size))
+    for i, (data, effect, rows) in enumerate(zip(problem.trials, together, problem.rows)):
         count = data.intervals.size
         shown = np.zeros((signals, count, scale.size))
         for j in yaw:
@@ -260,16 +268,19 @@ def _rows(
         slopes = solution.jacobian[rows]
         along += slopes.T @ shown.reshape(-1, scale.size)
         both = np.concatenate([slopes.reshape(signals, count, -1), shown], axis=2)
-        every = np.arange(problem.size)
+        every = np.arange(size)
         for g in groups_of(data, i, solution.residual[rows].reshape(signals, count), both, every):
             kept = [k for k, j in enumerate(g.signals) if j in yaw]
             if kept:
-                parts = g.jacobian[kept]
-                found.append(_Rows(g.residual[kept], parts[:, :, : problem.size], parts[:, :, problem.size :]))
+                found.append((g.residual[kept], g.jacobian[kept]))
     norms = np.linalg.norm(solution.jacobian, axis=0)
     norms = np.where(norms > 0, norms, 1.0)
     inverse = np.linalg.pinv(solution.jacobian / norms, rcond=_NOTHING) / norms[:, None]
-    return found, inverse @ inverse.T @ along
+    pulled = inverse @ inverse.T @ along
+    ends = np.cumsum(widths)
+    for begin, end in zip(ends - widths, ends):
+        own = [_Rows(r, j[:, :, :size], j[:, :, size + begin : size + end]) for r, j in found]
+        yield own, pulled[:, begin:end]
 
 
 def _pulled_white(rows: Sequence[_Rows], noise: Sequence[Autoregression]) -> np.ndarray:

@@ -9,6 +9,7 @@ white noise independent between signals, is one of them, and is found where the 
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,9 +43,16 @@ class Autoregression:
         """Number of past samples; 0 for white noise."""
         return len(self.steps)
 
+    @functools.cached_property
+    def white(self) -> bool:
+        """Whether it is white noise, independent between signals."""
+        return not self.order and not np.any(self.drive - np.diag(np.diag(self.drive)))
+
     @property
     def stable(self) -> bool:
         """Whether it dies out, and its drive is a covariance."""
+        if self.white:
+            return bool((np.diag(self.drive) >= 0).all())
         if not np.isfinite(self.steps).all() or np.linalg.eigvalsh(self.drive).min() < 0:
             return False
         signals, size = len(self.drive), self.order * len(self.drive)
@@ -61,6 +69,8 @@ class Autoregression:
         jacobian : ndarray, shape (signals, N, unknowns)
             Derivatives of the residuals.
         """
+        if self.white:
+            return np.asarray((np.sqrt(np.diag(self.drive))[:, None, None] * jacobian).reshape(-1, jacobian.shape[2]))
         if not self.order:
             shaped = np.einsum("ji,jnq->inq", _root(self.drive), jacobian)
             return np.asarray(shaped.reshape(-1, jacobian.shape[2]))
@@ -134,6 +144,29 @@ def autoregression_of(residual: np.ndarray, *others: np.ndarray) -> Autoregressi
     return best
 
 
+def colour(model: Autoregression, residual: np.ndarray) -> float:
+    """Return by how much an autoregression is likelier than white noise, independent between signals.
+
+    Parameters
+    ----------
+    model : Autoregression
+        Of the residuals.
+    residual : ndarray, shape (signals, N)
+        Those residuals.
+
+    Returns
+    -------
+    float
+        Logarithm of the ratio of likelihoods, less the price of the numbers of the autoregression (Bayesian information criterion).
+    """
+    signals, count = residual.shape
+    if model.white:
+        return 0.0
+    white = float(np.log(np.mean(residual**2, axis=1)).sum())
+    numbers = model.order * signals**2 + signals * (signals - 1) / 2
+    return 0.5 * float(count * (white - np.linalg.slogdet(model.drive)[1]) - numbers * np.log(count))
+
+
 def corrected(
     model: Autoregression, residual: np.ndarray, jacobian: np.ndarray, flat: np.ndarray, cover: np.ndarray
 ) -> Autoregression:
@@ -160,6 +193,11 @@ def corrected(
     """
     count = residual.shape[1]
     # Residual = (I - P) noise with P = J flat J', so its covariance is C - PC - CP + PCP.
+    if model.white:
+        powers = np.diag(model.drive)
+        absorbed = [((rows @ (2 * power * flat - cover)) * rows).sum() for rows, power in zip(jacobian, powers)]
+        found = Autoregression(model.steps, np.diag(np.mean(residual**2, axis=1) + np.array(absorbed) / count))
+        return found if found.stable else model
     along = model.spread(jacobian) @ flat
     back = jacobian @ cover
     lags = _lags(residual, model.order)
@@ -167,10 +205,7 @@ def corrected(
         late, early = slice(k, None), slice(0, count - k)
         for one, two, sign in ((jacobian, along, 1), (along, jacobian, 1), (back, jacobian, -1)):
             lag += sign * np.tensordot(one[:, late], two[:, early], axes=((1, 2), (1, 2))) / count
-    if model.order == 0 and not np.any(model.drive - np.diag(np.diag(model.drive))):
-        found = Autoregression(model.steps, np.diag(np.diag(lags[0])))
-    else:
-        found = _yule_walker(lags, model.order)
+    found = _yule_walker(lags, model.order)
     return found if found.stable else model
 
 

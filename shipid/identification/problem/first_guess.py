@@ -45,12 +45,14 @@ def first_guess(
         found, *_ = np.linalg.lstsq(design, column[at], rcond=None)
         scatter = float(np.std(column[at] - design @ found)) * np.sqrt(len(at) / (len(at) - 2))
         error = float(scatter * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
-        return float(found[0]), float(np.hypot(error, _fastest(whole, name, over) * (t[at[0]] - t[0])))
-    if whole.has(name) and (known := np.flatnonzero(np.isfinite(whole[name]))).size:
+        late = t[at[0]] - t[0]
+        return float(found[0]), float(np.hypot(error, _fastest(whole, name, over) * late)) if late else error
+    if whole.has(name) and np.isfinite(record := whole[name]).any():
+        known = np.isfinite(record)
         distance = np.abs(whole["t"][known] - t[0])
         near = int(np.argmin(distance))
         away = float(distance[near])
-        return float(whole[name][known[near]]), _fastest(whole, name, over) * away if away else 0.0
+        return float(record[known][near]), _fastest(whole, name, over) * away if away else 0.0
     if name == "u" and before is not None:
         return before, 0.0
     return model[name].number("start") or 0.0, 0.0
@@ -58,8 +60,9 @@ def first_guess(
 
 def _fastest(trial: Trial, name: str, over: float) -> float:
     """How fast a signal changes over a time of `over` s, at the most but for one time in twenty; over less, noise would count."""
-    known = np.isfinite(trial[name])
-    t, column = trial["t"][known], trial[name][known]
+    t, column = trial["t"], trial[name]
+    known = np.isfinite(column)
+    t, column = t[known], column[known]
     later = np.searchsorted(t, t + over)
     there = later < t.size
     if not there.any():

@@ -95,12 +95,16 @@ class TrialData:
         signal : int
             Which signal.
         """
-        if self.regular:
-            return self.step
-        own = usual_interval(self.t, self.measured[signal])
-        return own if np.isfinite(own) else self.step
+        return self._steps[signal]
 
-    @property
+    @functools.cached_property
+    def _steps(self) -> tuple[float, ...]:
+        if self.regular:
+            return (self.step,) * len(self.measured)
+        own = [usual_interval(self.t, row) for row in self.measured]
+        return tuple(step if np.isfinite(step) else self.step for step in own)
+
+    @functools.cached_property
     def t(self) -> np.ndarray:
         """Times of the samples in s, from zero, shape (N,)."""
         return np.concatenate([[0.0], np.cumsum(self.intervals[:-1])])
@@ -298,12 +302,12 @@ def prepare(
     first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
     whole = trial if recorded_in is None else recorded_in
     recorded = recorded_speed(columns)
-    measured = speed_before_in({n: whole[n] for n in whole.table.columns}, unit_time)
+    measured = speed_before_in(columns if whole is trial else {n: whole[n] for n in whole.table.columns}, unit_time)
     # A model that takes the speed as given gets that before the manoeuvre: the measured one is part of the ship's response.
     before = own_speed if measured is None else measured.value
-    if trial.has("cruise"):
+    if "cruise" in columns:
         # Stated: a stretch between holes begins in the middle of a manoeuvre.
-        before = float(np.nanmedian(trial["cruise"]))
+        before = float(np.nanmedian(columns["cruise"]))
     needed = generate(model).inputs_behind(signals)
     if {"u", "cruise"} & {*needed, *model.states}:
         check_ahead(before, trial.name, model.name)
@@ -311,7 +315,7 @@ def prepare(
         check_way(columns, trial.name, model.name)
     given: dict[str, float | np.ndarray] = {
         **trial.source.conditions.loading,
-        **{n: _everywhere(t, trial[n]) for n in model.inputs if trial.has(n) and n not in _ONE_NUMBER},
+        **{n: _everywhere(t, columns[n]) for n in model.inputs if n in columns and n not in _ONE_NUMBER},
     }
     for name in _ONE_NUMBER:
         if before is not None:
@@ -324,7 +328,7 @@ def prepare(
         trial,
         np.diff(t, append=t[-1]),
         input_rows(model, given, t.size, f"trial {trial.name}", needed),
-        np.array([trial[s] for s in signals]),
+        np.array([columns[s] for s in signals]),
         {n: value for n, (value, _) in start.items()},
         {n: std for n, (_, std) in start.items()},
         0.0 if measured is None else measured.std,

@@ -9,6 +9,7 @@ independent ones would hold as much information. For white residuals that is eve
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -89,6 +90,19 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     -------
     Covariance
     """
+    if spread is not None:
+        return _found(solution, spread)
+    if solution not in _KNOWN:
+        _KNOWN[solution] = _found(solution)
+    return _KNOWN[solution]
+
+
+#: Of solutions that are in use: what is asked of one twice is worked out once.
+_KNOWN: WeakKeyDictionary[Solution, Covariance] = WeakKeyDictionary()
+
+
+def _found(solution: Solution, spread: np.ndarray | None = None) -> Covariance:
+    """The covariance, worked out."""
     problem = solution.problem
     trials, signals = len(problem.trials), len(problem.signals)
     if solution.covariance is not None:

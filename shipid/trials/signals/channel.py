@@ -106,10 +106,11 @@ def channel_of(trial: Trial, name: str, wrong: np.ndarray | None = None, *, spik
     -------
     Channel
     """
-    there = np.isfinite(trial[name])
+    column = trial[name]
+    there = np.isfinite(column)
     if wrong is not None:
         there &= ~wrong
-    t, y = trial["t"][there], trial[name][there]
+    t, y = trial["t"][there], column[there]
     wild = spikes_of(y) if spikes else np.zeros(len(y), dtype=bool)
     out = tuple(float(when) for when in t[wild])
     t, y = t[~wild], y[~wild]

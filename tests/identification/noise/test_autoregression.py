@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import solve_discrete_lyapunov, toeplitz
 from scipy.signal import lfilter
 
-from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected, whitened
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, colour, corrected, whitened
 from shipid.identification.noise.residual_groups import gathered
 
 
@@ -53,6 +53,30 @@ def test_a_first_order_process_is_found():
     # The standard error of the coefficient is sqrt((1 - phi^2) / N) = 0.003.
     assert found.order == 1
     assert found.steps[0, 0, 0] == pytest.approx(0.9, abs=0.012)
+
+
+def test_the_colour_of_a_first_order_process_is_its_likelihood_ratio():
+    rng = np.random.default_rng(5)
+    white = rng.standard_normal((1, 40_000))
+    slow = lfilter([1.0], [1.0, -0.5], white)
+    # One step of .5 takes the variance from 4/3 to 1, and has one number to pay for.
+    assert colour(autoregression_of(slow), slow) == pytest.approx(
+        20_000 * np.log(4 / 3) - 0.5 * np.log(40_000), rel=0.06
+    )
+    assert colour(autoregression_of(white), white) == 0.0
+
+
+def test_white_noise_is_corrected_as_one_that_is_correlated_by_nothing():
+    rng = np.random.default_rng(6)
+    residual, slopes = rng.standard_normal((2, 90)), rng.standard_normal((2, 90, 3))
+    flat = np.linalg.inv(np.einsum("inq,inp->qp", slopes, slopes))
+    drive = np.diag([0.9, 1.2])
+    nearly = drive + np.array([[0.0, 1e-12], [1e-12, 0.0]])
+    one, other = (
+        corrected(Autoregression(np.zeros((0, 2, 2)), d), residual, slopes, flat, 1.1 * flat) for d in (drive, nearly)
+    )
+    assert one.white
+    assert np.diag(one.drive) == pytest.approx(np.diag(other.drive), rel=1e-9)
 
 
 def test_the_spectrum_gives_the_covariance_matrix():

@@ -144,8 +144,9 @@ def steering_of(
     rejected = wrong
     if not logged:
         # A slow sensor whose last value is written again in every row, or drawn on to the next, knows the rudder at its own beat; of few values each is held.
-        again = repeats_of(trial[column])
-        again = between_knots(trial[column]) if again is None else again
+        angles = trial[column]
+        again = repeats_of(angles)
+        again = between_knots(angles) if again is None else again
         own = np.empty(0) if again is None else trial["t"][~again]
         if again is not None and len(own) >= _BEATS and usual_interval(own) <= _SLOWEST:
             wrong = again if wrong is None else wrong | again
