@@ -153,18 +153,16 @@ def missing_effect(
     by_residuals = solution.covariance is None or solution.whitened
     if not by_residuals or not (yaw and shared and turning and "delta" in problem.model.inputs):
         return None
+    noise = _coloured(solution, yaw)
+    if not noise:
+        return None
     kinds = [dict(_effects(problem, data, unit_time)) for data in problem.trials]
     names = [n for n in EFFECTS if all(n in k for k in kinds)]
     before: float | None = None
-    noise: list[Autoregression] = []
     evidence, errors = {}, {}
     for name, (rows, pulled) in zip(names, _rows(solution, yaw, [[k[n] for n in names] for k in kinds], turning)):
         if before is None:
             # Without an effect all are alike.
-            noise = [autoregression_of(r.residual) for r in rows]
-            # A record in many series has one of them that looks coloured by chance.
-            if sum(colour(m, r.residual) for m, r in zip(noise, rows) if m.order) <= np.log(len(rows)):
-                return None
             before = _weighed(rows, noise, alone=True).likelihood
         if solution.whitened:
             pulled = _pulled_white(rows, noise)
@@ -181,6 +179,22 @@ def missing_effect(
     return MissingEffect(
         tuple(sorted(about_as_well, key=lambda n: -evidence[n])), evidence[best], together, wide, wider
     )
+
+
+def _coloured(solution: Solution, yaw: Sequence[int]) -> list[Autoregression]:
+    """The noise of each series of the residuals of heading and rate of turn; empty where none is coloured: then nothing is missing."""
+    problem = solution.problem
+    series = []
+    for i, (data, rows) in enumerate(zip(problem.trials, problem.rows)):
+        residual = solution.residual[rows].reshape(len(problem.signals), -1)
+        for g in groups_of(data, i, residual, np.zeros((*residual.shape, 0)), np.arange(0)):
+            kept = [k for k, j in enumerate(g.signals) if j in yaw]
+            if kept:
+                series.append(g.residual[kept])
+    noise = [autoregression_of(s) for s in series]
+    # A record in many series has one of them that looks coloured by chance.
+    chance = np.log(max(len(series), 1))
+    return noise if sum(colour(m, s) for m, s in zip(noise, series) if m.order) > chance else []
 
 
 def _widened(covariance: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, float]:

@@ -182,7 +182,7 @@ def corrected(
     residual : ndarray, shape (signals, N)
         Those residuals.
     jacobian : ndarray, shape (signals, N, unknowns)
-        Their derivatives.
+        Their derivatives; of white noise any rows with the same products.
     flat, cover : ndarray, shape (unknowns, unknowns)
         Inverse of the information matrix of the search, and covariance of the unknowns under that noise alone.
 

@@ -205,10 +205,14 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
         added.append(np.sum(unsure, axis=0))
     added.append(np.sqrt(strength) * scaled[of_prior] @ half)
 
+    noise = [autoregression_of(g.residual) for g in groups]
+    # Where noise is white it stays so, and the order of the samples says nothing.
+    slopes = [np.linalg.qr(g.jacobian, mode="r") if model.white else g.jacobian for g, model in zip(groups, noise)]
+
     def rows_under(noise: list[Autoregression]) -> list[np.ndarray]:
         return [
-            _in_fewer(model.shaped(g.jacobian), g.used.size < len(half)) @ half[g.used]
-            for g, model in zip(groups, noise)
+            _in_fewer(model.shaped(j), g.used.size < len(half) and not model.white) @ half[g.used]
+            for g, j, model in zip(groups, slopes, noise)
         ]
 
     def covariance_by(rows: list[np.ndarray]) -> np.ndarray:
@@ -216,13 +220,12 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
         root = np.linalg.qr(np.vstack(rows), mode="r") @ half.T
         return np.asarray(root.T @ root)
 
-    noise = [autoregression_of(g.residual) for g in groups]
     for _ in range(CORRECTIONS):
         # What the fit absorbed of the noise: what it may be off by for other reasons took nothing from the residuals.
         absorbed = covariance_by(rows_under(noise))
         noise = [
-            corrected(model, g.residual, g.jacobian, flat[np.ix_(g.used, g.used)], absorbed[np.ix_(g.used, g.used)])
-            for model, g in zip(noise, groups)
+            corrected(model, g.residual, j, flat[np.ix_(g.used, g.used)], absorbed[np.ix_(g.used, g.used)])
+            for model, j, g in zip(noise, slopes, groups)
         ]
     found = covariance_by([*added, *rows_under(noise)])
     shares = np.ones((len(problem.trials), signals))

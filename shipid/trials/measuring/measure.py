@@ -22,7 +22,7 @@ from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.ends import without_keeping
 from shipid.trials.measuring.rudder.executes import leaves
-from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
+from shipid.trials.measuring.rudder.steering import Steering, check_rudder, rate_of, steering_of
 from shipid.trials.measuring.spiral import is_spiral, measure_spiral
 from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
@@ -99,7 +99,7 @@ def measure(
         raise UnknownNameError("kind of manoeuvre", kind, KINDS)
     if not trial.has("psi"):
         raise UnknownColumnError(f"trial '{trial.name}' has no heading 'psi', and a manoeuvre is measured by it.")
-    steering_of(trial, execute)
+    check_rudder(trial, execute)
     faults = faults_of(trial, diagnosis)
     _check_clock(trial, faults)
     if manoeuvre is None and kind in (None, "spiral") and is_spiral(trial, faults):

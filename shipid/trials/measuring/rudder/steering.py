@@ -125,20 +125,14 @@ def steering_of(
     UnknownColumnError
         If the trial has no rudder.
     """
-    if execute not in (None, *READINGS):
-        raise UsageError(f"execute is '{execute}'. Write 'moved' (the rudder has left its plate) or 'order'.")
+    check_rudder(trial, execute)
     moved = execute == "moved"
     doubt = ""
     if column is None:
-        ordered = trial.has("delta_order") and (not trial.has("delta") or _moves(trial["delta_order"]))
+        ordered = _ordered(trial)
         if ordered and trial.has("delta"):
             doubt = order_against_feedback(trial["t"], trial["delta_order"], trial["delta"])
             ordered = not doubt
-        if not ordered and not trial.has("delta"):
-            raise UnknownColumnError(
-                f"trial '{trial.name}' has no rudder angle, neither 'delta' nor 'delta_order': a manoeuvre cannot "
-                "be measured without the moment of the order."
-            )
         column = "delta_order" if ordered and not (moved and trial.has("delta")) else "delta"
     logged = column == "delta_order"
     rejected = wrong
@@ -173,6 +167,37 @@ def steering_of(
     return Steering(
         channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers), doubt, silence
     )
+
+
+def check_rudder(trial: Trial, execute: str | None) -> None:
+    """Refuse a trial without a rudder, and a reading of the execute that does not exist.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    execute : {"order", "moved"} or None
+        None is "order".
+
+    Raises
+    ------
+    UsageError
+        If there is no such reading.
+    UnknownColumnError
+        If the trial has no rudder.
+    """
+    if execute not in (None, *READINGS):
+        raise UsageError(f"execute is '{execute}'. Write 'moved' (the rudder has left its plate) or 'order'.")
+    if not trial.has("delta") and not _ordered(trial):
+        raise UnknownColumnError(
+            f"trial '{trial.name}' has no rudder angle, neither 'delta' nor 'delta_order': a manoeuvre cannot "
+            "be measured without the moment of the order."
+        )
+
+
+def _ordered(trial: Trial) -> bool:
+    """Whether the order is logged and is the record of a rudder: one that never moves beside a feedback is not."""
+    return trial.has("delta_order") and (not trial.has("delta") or _moves(trial["delta_order"]))
 
 
 def _silence(trial: Trial, column: str, wrong: np.ndarray | None, channel: Channel) -> tuple[float, float] | None:
