@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import shipid
-from shipid.identification.evidence.missing_effect import missing_effect
+from shipid.identification.evidence.missing_effect import _coloured, missing_effect
 
 #: Gain of the Mariner, and T1 + T2 - T3 (Fossen 1994, after Chislett and Stroem-Tejsen 1965).
 GAIN, TIME = 0.185, 118.0 + 7.8 - 18.5
@@ -75,3 +77,22 @@ def test_a_variance_that_is_infinite_stays_and_another_method_is_left_alone(too_
 
     other = replace(solution, covariance=np.eye(solution.problem.size))
     assert missing_effect(other, np.eye(2), fitted, unit_time) is None
+
+
+def residuals(*series):
+    """A solution whose trials leave these residuals of the rate of turn."""
+    ends = np.cumsum([s.size for s in series])
+    trials = [SimpleNamespace(regular=True, there=np.ones((1, s.size), dtype=bool)) for s in series]
+    rows = [slice(end - s.size, end) for s, end in zip(series, ends)]
+    return SimpleNamespace(
+        residual=np.concatenate(series), problem=SimpleNamespace(signals=("r",), trials=trials, rows=rows)
+    )
+
+
+def test_of_many_series_one_looks_coloured_by_chance():
+    """A record in stretches has a dozen series of white noise, of which the criterion finds one to be coloured."""
+    white = np.random.default_rng(2).standard_normal((12, 40))
+    by_chance = [k for k, w in enumerate(white) if _coloured(residuals(w), [0])]
+    assert by_chance and not _coloured(residuals(*white), [0])
+    coloured = lfilter([1.0], [1.0, -0.45], white)
+    assert len(_coloured(residuals(*coloured), [0])) == 12
