@@ -356,11 +356,9 @@ class Fit(DrawnResult):
         found += unread_wind_notices(self.model, self.fitted, self.identified.scale.speed)
         found += one_sided_notices([c.trial for c in self.fitted])
         found += record_notices(self.fitted, self.validation, self.ship.particular("L", "m"))
-        for c in (*self.fitted, *self.validation):
-            if c.departure is not None:
-                words = f"the prediction of {c.trial.name} is {c.departure}"
-                found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
+        found += [c.not_sailed for c in (*self.fitted, *self.validation) if c.not_sailed is not None]
         found += [s.notice for s in (self.bias_spread, self.lacks) if s is not None and s.notice is not None]
+        found += self.identified.solution.notices if withheld is None else ()
         found += self.levels.notices if self.levels is not None and self.identified.method == "prediction-error" else ()
         stated = {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
         found += loading_notices(stated, self.identified.load_part)

@@ -30,7 +30,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.loading import with_load_part
 from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
 from shipid.identification.noise.coefficients_apart import coefficients_apart
-from shipid.identification.noise.whitened import WHITENED, on_white_residuals
+from shipid.identification.noise.whitened import WHITENED, as_not_whitened, on_white_residuals
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.dead_time import with_dead_time
 from shipid.identification.problem.first_weights import first_weights, given_weights
@@ -140,8 +140,7 @@ def identify(
         raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
     free = purpose is None and method is None and noise is None and loss == "linear"
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
-    if steered:
-        method = "prediction-error"
+    method = "prediction-error" if steered else method
     for trial in trials:
         check_identifiable_input(trial)
     load_part = None
@@ -174,7 +173,7 @@ def identify(
         [(s, t) for t in group for s in with_whole_inputs(setting.model, t, shown, unit_time)]
         for group in (trials, validate)
     )
-    trials = [stretch for stretch, _ in pairs]
+    trials = [s for s, _ in pairs]
     # The trials to predict are checked as well, so that missing columns are found before the search.
     everything = [prepare(setting.model, s, shown, own_speed, unit_time, t) for s, t in (*pairs, *predicted)]
     data = everything[: len(trials)]
@@ -193,15 +192,15 @@ def identify(
     how = SearchSettings(starts, seed, noise is None, unit_time, progress or (lambda _: None))
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
-        searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
         records = len({id(t) for _, t in pairs})
-        found = searched(problem, search_box(setting), method, how, records)
+        search = _by_residuals if method in OUTPUT_ERROR else _by_another_method
+        found = search(problem, search_box(setting), method, how, records)
         if (unasked or steered) and found.solution.levels is not None and found.solution.levels.lasting is not None:
             found = _by_lasting_sensors(problem, search_box(setting), how, records, found, answers, unasked)
         elif unasked and not answers:
             found = _beside_simulation(problem, search_box(setting), how, records, found)
-        elif free and answers and not steered:
-            found = _whitened(found)
+        elif free and answers and not steered and found.solution.converged:
+            found = _on_white(found)
         if steered:
             found = replace(found, rungs=_for_autopilots(found.rungs, steered))
         fit = _result(setting, found, [t for _, t in pairs], noise is not None, load_part)
@@ -239,12 +238,14 @@ def _by_another_method(problem: Problem, box: Box, method: Method | None, how: S
     return _Found(*climb(problem, box, method, how), box)
 
 
-def _whitened(found: _Found) -> _Found:
-    """The same from whitened residuals, where they have a colour and the search leads somewhere."""
-    solution = on_white_residuals(found.solution, found.box) if found.solution.converged else None
+def _on_white(found: _Found) -> _Found:
+    """The same from whitened residuals, where they have a colour; where the search leads nowhere that is said."""
+    solution = on_white_residuals(found.solution, found.box)
+    if solution is None:
+        return replace(found, solution=as_not_whitened(found.solution))
     why = f"The rudder follows the heading, and noise that lasts with it, which biases output error: {WHITENED}."
     rungs = tuple(replace(r, reason=f"{why} {r.reason}") if r.used else r for r in found.rungs)
-    return found if solution is None else replace(found, solution=solution, rungs=rungs)
+    return replace(found, solution=solution, rungs=rungs)
 
 
 def _by_lasting_sensors(
@@ -309,11 +310,8 @@ def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
 def _told_apart(solution: Solution, used: Rung, parameters: Mapping[str, Estimate]) -> bool:
     """Whether coefficients are told from disturbances, which are part of the model: determined, and nothing serious against it."""
     sound = solution.converged and solution.levels is not None and not any(n.serious for n in solution.levels.notices)
-    return (
-        sound
-        and used.method == "prediction-error"
-        and any(e.identifiable and not e.follows for e in parameters.values())
-    )
+    determined = any(e.identifiable and not e.follows for e in parameters.values())
+    return sound and used.method == "prediction-error" and determined
 
 
 def _result(

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.identification.noise.whitened import on_white_residuals
+from shipid.identification.noise.whitened import as_not_whitened, on_white_residuals
+from shipid.identification.problem.box import Box
 from shipid.trials.doctor.autopilot_steers import autopilot_steers, rudder_answers
 
 
@@ -183,3 +184,16 @@ def test_whitened_coefficients_beyond_their_bounds_are_no_result() -> None:
     assert on_white_residuals(plain.solution, plain.box).whitened
     narrow = replace(plain.box, high=1.05 * plain.solution.parameters)
     assert on_white_residuals(plain.solution, narrow) is None
+
+
+def test_coloured_residuals_that_cannot_be_whitened_are_told() -> None:
+    """What output error finds stood without a word, three quarters of the time constant among it."""
+    trial = in_heavy_waves(20, 6, first=30)
+    found = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, method="output-error").identified.solution
+    # The least gain is above what whitened residuals lead to.
+    box = Box(np.array([0.6, 31.0]), np.array([0.55, 5.0]), np.array([5.0, 500.0]))
+    assert on_white_residuals(found, box) is None
+    (notice,) = as_not_whitened(found).notices
+    assert notice.serious and notice.kind == "not-whitened" and "A zig-zag tells" in notice
+    white = np.random.default_rng(0).standard_normal(found.residual.size)
+    assert as_not_whitened(replace(found, residual=white)).notices == ()

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from shipid.foundation.notices import Notice
 from shipid.identification.noise.autoregression import Autoregression, autoregression_of, whitened
 from shipid.identification.noise.filled_inputs import changes_by, effects_of
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
@@ -23,6 +24,8 @@ from shipid.identification.search.unseen import covariance_by
 
 #: In words.
 WHITENED = "the residuals are whitened by their autoregression (generalized least squares)"
+#: Kind of the notice where they cannot be, and should.
+NOT_WHITENED = "not-whitened"
 #: Most steps; those after which the colour stays as it is; and the step, in standard deviations, at which no further one is taken.
 _STEPS, _SETTLED, _SMALL = 30, 8, 0.01
 
@@ -72,6 +75,28 @@ def on_white_residuals(solution: Solution, box: Box) -> Solution | None:
         return None
     cover = _covariance(problem, q, residual, jacobian, noises)
     return replace(solution, q=q, residual=residual, jacobian=jacobian, covariance=cover, others=(), whitened=True)
+
+
+def as_not_whitened(solution: Solution) -> Solution:
+    """Return a solution whose residuals could not be whitened, with the notice that its coefficients may be biased.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of output error; where its residuals have no colour nothing is said of it, since no rudder has answered them.
+    """
+    problem = solution.problem
+    groups = [g for i in range(len(problem.trials)) for g in _series(problem, i, solution.residual, solution.jacobian)]
+    if not any(autoregression_of(g.residual).order for g in groups):
+        return solution
+    notice = Notice(
+        "the rudder may follow the heading, as that of an autopilot does, and the residuals last: output error, which takes each of them "
+        "for itself, may be biased by more than its intervals say. Residuals that are whitened by their autoregression lead to no "
+        "coefficients here. A zig-zag tells; so does a longer record.",
+        NOT_WHITENED,
+        serious=True,
+    )
+    return replace(solution, notices=(*solution.notices, notice))
 
 
 def _covariance(

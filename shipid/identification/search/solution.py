@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shipid.foundation.notices import Notice
 from shipid.identification.problem.losses import robust_scale, unweighted
 from shipid.identification.problem.output_error import RUNAWAY, Problem
 from shipid.identification.search.noise_levels import NoiseLevels
@@ -60,6 +61,8 @@ class Solution:
         (`shipid.identification.evidence.marginal_likelihood`). Their probabilities sum to 1.
     whitened : bool
         Whether the unknowns minimise what an autoregression leaves of the residuals (`shipid.identification.noise.whitened`).
+    notices : tuple of Notice
+        What there is to say of the search.
     """
 
     problem: Problem
@@ -73,6 +76,7 @@ class Solution:
     levels: NoiseLevels | None = None
     others: tuple[SolutionAtSpread, ...] = ()
     whitened: bool = False
+    notices: tuple[Notice, ...] = ()
 
     @property
     def finite(self) -> bool:

@@ -207,7 +207,9 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
 
     noise = [autoregression_of(g.residual) for g in groups]
     # Where noise is white it stays so, and the order of the samples says nothing.
-    slopes = [np.linalg.qr(g.jacobian, mode="r") if model.white else g.jacobian for g, model in zip(groups, noise)]
+    slopes = [
+        np.asarray(np.linalg.qr(g.jacobian, mode="r")) if model.white else g.jacobian for g, model in zip(groups, noise)
+    ]
 
     def rows_under(noise: list[Autoregression]) -> list[np.ndarray]:
         return [

@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS, shown_error
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.generation.departure import Departure
@@ -78,6 +79,14 @@ class Comparison(Result):
     samples: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     departure: Departure | None = None
+
+    @property
+    def not_sailed(self) -> Notice | None:
+        """What there is to say of a prediction that ends on a floor or guard of the model."""
+        if self.departure is None:
+            return None
+        name = self.trial.name
+        return Notice(f"the prediction of {name} is {self.departure}", "not-sailed", serious=True, trial=name)
 
     @property
     def whole(self) -> bool:
