@@ -92,7 +92,7 @@ def nearest(name: str, known: Iterable[str], count: int = 4) -> str:
     count : int
         How many to offer at most.
     """
-    known = sorted(known)
+    known = sorted(set(known))  # several models may have one name
     lowered = {k.lower(): k for k in known}
     hits = [lowered[h] for h in difflib.get_close_matches(name.lower(), lowered, n=count, cutoff=0.5)]
     if hits:

@@ -16,7 +16,7 @@ from shipid.bridge.sources.senders import Senders
 from shipid.foundation.errors import UsageError
 from shipid.trials.errors import TrialError
 from shipid.trials.logs.live.nmea import LiveNmea
-from shipid.trials.logs.nmea.sentences.lines import checksum, sentences_of, split_line
+from shipid.trials.logs.nmea.sentences.lines import sentences_of, split_line
 from shipid.trials.logs.nmea.settings import NmeaFormat
 
 #: Bytes that are read at once; and the seconds until a connection is tried again, from and to.
@@ -178,7 +178,7 @@ class ListenedSource:
         sentence = split_line(piece)
         if sentence is None or not sentence.address.endswith("TTM"):
             return None
-        if sentence.checksum is not None and checksum(sentence.text[1:]) != sentence.checksum.upper():
+        if not sentence.whole:
             return None
         return target_of(sentence.text, t, self._heading)
 

@@ -20,7 +20,7 @@ from shipid.foundation.notices import Notice
 from shipid.trials.errors import EmptyFileError, NonFiniteError
 from shipid.trials.logs.nmea.opening import encoding_of
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
-from shipid.trials.logs.nmea.sentences.lines import DAY, Sentence, checksum, split_line, stamp_reader, tag_time
+from shipid.trials.logs.nmea.sentences.lines import DAY, Sentence, split_line, stamp_reader, tag_time
 from shipid.trials.logs.tables.opening import opened
 
 #: Metres a unit of TTM's range.
@@ -193,7 +193,7 @@ def _sentences(text: str, found: _Found) -> Iterator[tuple[float, Sentence]]:
         if sentence is None:
             found.no_sentence += ("$" in line or "!" in line) and "," in line
             continue
-        if sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper():
+        if not sentence.whole:
             found.damaged += 1
             continue
         stamp = tag_time(sentence.front)[0] or read(sentence.front)

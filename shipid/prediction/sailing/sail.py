@@ -19,6 +19,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UsageError
+from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import brief, moment
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
@@ -27,6 +28,7 @@ from shipid.parameters.replaced import with_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
+from shipid.prediction.sailing.rudder_at_rate import CYCLES, cycles_at_rate
 from shipid.prediction.sailing.surroundings import stated_inputs, stated_values, with_waves
 from shipid.prediction.tracks.order import unwrapped
 from shipid.trials.manoeuvres.flows import (
@@ -184,6 +186,15 @@ def sail(
         f"{met_words(current, wind, waves, driven_by(truth)[1], values)}"
     )
     told = beyond_in_run(truth, pilot.ship, u0, {n: run[q] for n, q in recorded.items()})
+    gear = known.get("delta_rate", pilot.limits["delta_rate"])
+    if (cycles := cycles_at_rate(t, run["delta"], float(np.min(gear)))) and waves is not None:
+        # A sound loop in waves answers them at the limit; one that cycles does so without them.
+        calm = sail(
+            pilot, courses, speed=u0, heading=course, duration=end, sampling=interval, rudder_limit=rudder_limit, current=current,
+            wind=wind, inputs=inputs, values=values,
+        )  # fmt: skip
+        cycles = [n for n in calm.source.notes if isinstance(n, Notice) and n.kind == CYCLES]
+    told = [*told, *cycles]
     return Trial(
         name or f"{truth.name}-courses",
         table,

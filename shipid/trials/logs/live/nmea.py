@@ -19,7 +19,6 @@ from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.log import Origin
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
 from shipid.trials.logs.nmea.sentences.lines import (
-    checksum,
     sentences_of,
     split_line,
     stamp_reader,
@@ -123,7 +122,7 @@ class LiveNmea:
             self._tell(f"{self._where}, line {number}: no whole sentence; left out.")
             return
         tagged, sound = tag_time(sentence.front) if "\\" in sentence.front else (None, True)
-        if not sound or (sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper()):
+        if not sound or not sentence.whole:
             self._tell(f"{self._where}, line {number}: wrong checksum; left out.")
             return
         self._sentences += 1

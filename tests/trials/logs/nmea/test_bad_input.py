@@ -208,3 +208,33 @@ def test_format_files(toml, log, stamped, basic, text, words):
 
 def test_a_format_that_is_not_there(log, stamped, basic, tmp_path):
     refused(MissingFileError, log(stamped(*basic)), "no trial format file", fmt=tmp_path / "no.toml")
+
+
+@pytest.mark.parametrize("upper_checksum", [False, True])
+def test_sentences_in_small_letters_are_read(log, upper_checksum, sentence, stamped, basic):
+    text = stamped(*basic)
+    small = []
+    for line in text.splitlines(keepends=True):
+        front, dollar, rest = line.partition("$")
+        body, star, summed = rest.partition("*")
+        if not upper_checksum and star:
+            summed = sentence(body.lower()).partition("*")[2] + "\n"
+        small.append(front + dollar + body.lower() + star + summed)
+    read, wanted = read_trial(log("".join(small), "small.nmea")), read_trial(log(text, "capitals.nmea"))
+    assert read.table.equals(wanted.table)
+
+
+def test_small_letters_with_a_wrong_checksum_are_left_out_and_told(log, stamped, basic):
+    trial = read_trial(log(stamped(*basic) + "$hehdt,123.4,t*00\n", "t.nmea"))
+    assert any("wrong checksum" in note for note in trial.source.notes)
+    assert np.nanmin(np.degrees(trial["psi"])) > 300
+
+
+@pytest.mark.parametrize("text", ["99.99", "-99.99", "999.9", "99.9"])
+def test_a_speed_of_nines_is_missing(log, stamped, basic, text):
+    def vbw(t):
+        return f"VDVBW,{text if round(t) % 2 else 8.0},0.1,A,7.5,{text},A"
+
+    trial = read_trial(log(stamped(*basic, (vbw, 1)), "trial.nmea"))
+    assert np.nanmax(trial["u"]) == np.nanmin(trial["u"]) == pytest.approx(8 * 1852 / 3600)
+    assert not any("devices" in note for note in trial.source.notes)

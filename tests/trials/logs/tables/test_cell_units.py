@@ -66,3 +66,10 @@ def test_units_that_do_not_agree_are_named(tmp_path):
 )
 def test_what_is_no_unit(cell):
     assert unit_of_cell(cell) is None
+
+
+def test_units_behind_numbers_between_blanks_are_refused_with_what_to_do(tmp_path):
+    file, _ = log(tmp_path, (("t", "%.1f"), ("psi", "%.3f deg"), ("r", "%.3f deg/s"), ("delta", "%.1f deg")), " ")
+    words = r"names 4 columns .* \(line 2\) has 7. Units stand behind the numbers, as in '.* deg', .* write the units in the header"
+    with pytest.raises(TrialError, match=words):
+        shipid.read_trial(file)

@@ -44,7 +44,7 @@ def examine_outliers(p: WorkingCopy) -> None:
         bad = np.zeros(len(p), dtype=bool)
         bad[index[mask]] = True
         kind = "heading-glitch" if name == "psi" else "outlier"
-        amount = f"by up to {angle(float(size.max()), 3)}" if name == "psi" else f"by up to {share:.0f} times the noise"
+        amount = f"by up to {angle(float(size.max()), 3)}" if name == "psi" else f"by {_times(share)} the noise"
         applied = p.add(
             kind, name, robust.confidence_of(share, 7, 20),
             f"{counted(int(mask.sum()), f'sample of {name} differs from its', f'samples of {name} differ from their')} neighbours {amount}",
@@ -54,6 +54,11 @@ def examine_outliers(p: WorkingCopy) -> None:
         )  # fmt: skip
         if applied:
             p.void(name, bad)
+
+
+def _times(share: float) -> str:
+    """How many times, in words: of noise next to nothing, the number of times says nothing."""
+    return f"up to {share:.0f} times" if share < 1000 else "more than 1000 times"
 
 
 def _on_ramp(p: WorkingCopy, index: np.ndarray, values: np.ndarray) -> np.ndarray:

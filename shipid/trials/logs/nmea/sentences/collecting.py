@@ -13,7 +13,6 @@ from shipid.trials.logs.nmea.errors import BrokenLogError, NotNmeaError
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records, named_lines
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
 from shipid.trials.logs.nmea.sentences.lines import (
-    checksum,
     sentences_of,
     split_line,
     stamp_reader,
@@ -37,7 +36,7 @@ def is_sentence(line: str) -> bool:
     if found is None:
         return False
     if found.checksum:
-        return checksum(found.text[1:]) == found.checksum.upper()
+        return found.whole
     return found.address[-3:] in CARRIED and found.address[0] != "P" and "," in found.text
 
 
@@ -105,7 +104,7 @@ class _Collector:
             self.broken.append(number)
             return
         stamp, sound = tag_time(sentence.front) if "\\" in sentence.front else (None, True)
-        if not sound or (sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper()):
+        if not sound or not sentence.whole:
             self.wrong.append(number)
             return
         address, kind, talker = sentence.address, sentence.address[-3:], sentence.address[:-3]

@@ -6,6 +6,7 @@ ROT stays in degrees a minute. The order of the fields is that of IEC 61162-1.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from datetime import date
 from functools import lru_cache
@@ -23,6 +24,9 @@ _QUALITY = ("1", "2", "3", "4", "5")
 #: Knots a unit of MWV's speed: knots, km/h, m/s, statute miles per hour.
 _WIND_UNITS = {"N": 1.0, "K": 1 / 1.852, "M": 3600 / 1852, "S": 1609.344 / 1852}
 
+#: A speed of nines alone, 99 knots and more: no ship's.
+_NINES = re.compile(r"-?99+(?:\.9*)?")
+
 
 def _text(f: Fields, k: int, absent: str = "") -> str:
     return f[k] if k < len(f) else absent
@@ -37,6 +41,11 @@ def _number(f: Fields, k: int, valid: bool = True) -> float:
         raise ValueError(text)
     value = float(text)
     return value if valid and abs(value) < 1e9 else NAN  # NaN compares false
+
+
+def _speed(f: Fields, k: int, valid: bool = True) -> float:
+    """Field k as a speed; NaN also where it is nines alone, as 99.99 or -999.9, which logs send for one that they have not."""
+    return NAN if _NINES.fullmatch(_text(f, k)) else _number(f, k, valid)
 
 
 def _utc(f: Fields, k: int, valid: bool = True) -> float:
@@ -122,24 +131,24 @@ def _rot(f: Fields) -> tuple[float, ...]:
 
 
 def _vhw(f: Fields) -> tuple[float, ...]:
-    knots = _number(f, 5)
-    return _heading(_number(f, 1)), knots if knots == knots else _number(f, 7) / 1.852
+    knots = _speed(f, 5)
+    return _heading(_number(f, 1)), knots if knots == knots else _speed(f, 7) / 1.852
 
 
 def _vbw(f: Fields) -> tuple[float, ...]:
     water, ground = _text(f, 3) == "A", _text(f, 6) == "A"
-    return _number(f, 1, water), _number(f, 2, water), _number(f, 4, ground), _number(f, 5, ground)
+    return _speed(f, 1, water), _speed(f, 2, water), _speed(f, 4, ground), _speed(f, 5, ground)
 
 
 def _vtg(f: Fields) -> tuple[float, ...]:
     valid = _text(f, 9) in _FIX and _text(f, 2, "T") == "T"
-    knots = _number(f, 5, valid)
-    return knots if knots == knots else _number(f, 7, valid) / 1.852, _number(f, 1, valid)
+    knots = _speed(f, 5, valid)
+    return knots if knots == knots else _speed(f, 7, valid) / 1.852, _number(f, 1, valid)
 
 
 def _rmc(f: Fields) -> tuple[float, ...]:
     valid = _text(f, 2) == "A" and _text(f, 12) in _FIX
-    speed, course, day = _number(f, 7, valid), _number(f, 8, valid), _day(f, 9) if valid else NAN
+    speed, course, day = _speed(f, 7, valid), _number(f, 8, valid), _day(f, 9) if valid else NAN
     return *_place(f, 3, valid), speed, course, _signed(f, 10, NAN), _utc(f, 1, valid), day
 
 

@@ -14,7 +14,7 @@ DAY = 86400.0
 # Possessive (+), so that a broken checksum does not make the fields before it a sentence of its own. Some loggers keep the
 # star and lose the checksum. Talkers with digits are those of test sets and simulators.
 _SENTENCE = re.compile(
-    r"[$!]([A-Z0-9]{3,15})((?:,[^*\x00-\x1f\x7f-\U0010ffff]*+)?+)(?:\*([0-9A-Fa-f]{2})(?![0-9A-Za-z])|\*?\s*$)"
+    r"[$!]([A-Z0-9]{3,15}|(?<=\$)[a-z0-9]{3,15})((?:,[^*\x00-\x1f\x7f-\U0010ffff]*+)?+)(?:\*([0-9A-Fa-f]{2})(?![0-9A-Za-z])|\*?\s*$)"
 )
 # Behind a checksum, where another sentence follows; that of a TAG block belongs to the sentence behind it.
 _NEXT = re.compile(r"(?<=\*[0-9A-Fa-f]{2})(?!\\[$!\\])(?=[^$!]*[$!])")
@@ -56,12 +56,16 @@ class Stamp(NamedTuple):
 
 
 class Sentence(NamedTuple):
-    """A sentence as it stands in a line: address (``HEHDT``), text from ``$`` to before ``*``, checksum or None."""
+    """A sentence as it stands in a line: address (``HEHDT``), text from ``$`` to before ``*``, checksum or None.
+
+    Address and text are in capitals where the address had small letters, and `whole` says whether the checksum agrees.
+    """
 
     address: str
     text: str
     checksum: str | None
     front: str
+    whole: bool
 
 
 def checksum(text: str) -> str:
@@ -95,7 +99,15 @@ def split_line(line: str) -> Sentence | None:
         text = text.rstrip('"')  # a cell of a table in quotes
     if match[3] is None:
         text = text.rstrip()
-    return Sentence(match[1], text, match[3], line[:at])
+    address, summed = match[1], match[3]
+    whole = summed is None or checksum(text[1:]) == summed.upper()
+    if address != address.upper():
+        if summed is None:
+            return None  # nothing says that it is one
+        # Some devices send small letters and some loggers make them: the checksum is of the one or of the other.
+        address, text = address.upper(), text.upper()
+        whole = whole or checksum(text[1:]) == summed.upper()
+    return Sentence(address, text, summed, line[:at], whole)
 
 
 def sentences_of(line: str) -> list[str]:

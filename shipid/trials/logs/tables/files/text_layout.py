@@ -9,6 +9,7 @@ from pathlib import Path
 
 from shipid.trials.errors import EmptyFileError, HeaderError, RaggedRowError, SeparatorError
 from shipid.trials.logs.format import SEPARATORS, TrialFormat
+from shipid.trials.logs.tables.cell_units import unit_of_cell
 from shipid.trials.logs.tables.files.text_fields import (
     SEPARATORS_TRIED,
     fields,
@@ -204,7 +205,7 @@ def _detected(path: Path, fmt: TrialFormat | None, comment: str, lines: list[str
                 headers = ["", *headers]  # R's write.table names all columns but that of the row names
         if len(headers) == width + 1 and headers[-1].lower() == "comment":
             headers = headers[:-1]  # LabVIEW writes the word and, where nothing was said, no field below it
-        _check_fit(path, row, headers, rows[heading.first].cells)
+        _check_fit(path, row, headers, rows[heading.first], separator)
         headers += [""] * (width - len(headers))  # every row ends with a separator
         notes += _unused(rows, heading)
     twice = sorted({name for name in headers if name and headers.count(name) > 1})
@@ -273,12 +274,21 @@ def _commented(
     )
 
 
-def _check_fit(path: Path, row: int, headers: Sequence[str], sample: Sequence[str]) -> None:
+def _check_fit(path: Path, row: int, headers: Sequence[str], first: _Row, separator: str) -> None:
+    sample = first.cells
     if len(headers) == len(sample) or (len(sample) == len(headers) + 1 and sample[-1] == ""):
         return
+    apart = "Give every column a header and every row as many fields."
+    # Between blanks a number and the unit behind it are two fields.
+    behind = [f"{cell} {unit}" for cell, unit in zip(sample, sample[1:]) if unit_of_cell(f"{cell} {unit}") is not None]
+    if separator == r"\s+" and behind:
+        apart = (
+            f"Units stand behind the numbers, as in '{behind[-1]}', and blanks separate the columns too: write the units in the header, "
+            "as in 'u[kn]', and leave them out of the rows, or separate the columns by semicolons."
+        )
     raise RaggedRowError(
-        f"'{path}': the header (line {row}) names {len(headers)} columns and the first sample has {len(sample)}. "
-        "Give every column a header and every row as many fields."
+        f"'{path}': the header (line {row}) names {len(headers)} columns and the first sample (line {first.first}) has "
+        f"{len(sample)}. {apart}"
     )
 
 
