@@ -15,7 +15,7 @@ long as that of the whole record with the same number of rows (medians of runs s
 
 The coverage of so few runs scatters by its binomial error, of which two are allowed for; the short form allows for 2.5 times as long.
 
-    python studies/missing.py [--runs 200] [--short] [--json]
+    python studies/missing.py [--runs 200] [--only WORD] [--short] [--json]
 """
 
 from __future__ import annotations
@@ -242,12 +242,13 @@ def show(result: dict[str, Any]) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--only", default="", help="the cases with this word in their names")
     parser.add_argument("--short", action="store_true", help="2 runs of each case")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     results = []
     with threadpool_limits(1, "blas"):
-        for case in CASES:
+        for case in (c for c in CASES if options.only in c.name):
             runs = 2 if options.short else options.runs
             # Times of a few runs scatter.
             results.append(
