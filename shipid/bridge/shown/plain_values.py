@@ -24,7 +24,7 @@ def number(value: float | None, digits: int = 8) -> float | None:
 
 
 def strict_json(value: Plain) -> str:
-    """Return a value as JSON without NaN and infinity; a number that is not finite is null.
+    """Return a value as JSON without NaN and infinity, which UTF-8 can hold; a number that is not finite is null.
 
     Parameters
     ----------
@@ -32,9 +32,11 @@ def strict_json(value: Plain) -> str:
         Dicts, lists, texts, numbers.
     """
     try:
-        return json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+        text = json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
     except ValueError:
-        return json.dumps(_finite(value), allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+        text = json.dumps(_finite(value), allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+    # Half a character, as JSON can hold it, would end the connection it is sent on.
+    return text if text.isascii() else text.encode("utf-8", "replace").decode("utf-8")
 
 
 def _finite(value: Plain) -> Plain:

@@ -14,6 +14,7 @@ from shipid.bridge.core.source import SourceKind, SourceReading, SourceState
 from shipid.bridge.sources.hosts import check_host, why_not_reached
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.printable import printable
 from shipid.trials.logs.geodesy import to_local
 
 #: A trial's column by the path of Signal K.
@@ -160,7 +161,7 @@ class SignalKSource:
         if stamp is not None and (age := now + self._offset - stamp) > _OLD:
             self._old_since = now if self._old_since is None else self._old_since
             self._told = [
-                f"{path} was {age:.0f} s old when it came, by the time stamp {str(update['timestamp'])[:30]}: left out. Look at its "
+                f"{path} was {age:.0f} s old when it came, by the time stamp {printable(str(update['timestamp'])[:30])}: left out. Look at its "
                 "sensor, and at the clocks of the server and of the sensor."
             ]
             return False

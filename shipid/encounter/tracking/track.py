@@ -16,6 +16,7 @@ from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.filters.trackers import motion_of
 from shipid.encounter.tracking.remarks.contradictions import contradictions
 from shipid.encounter.tracking.remarks.own_echoes import without_own_ship
+from shipid.encounter.tracking.remarks.silences import silences
 from shipid.encounter.tracking.remarks.two_clocks import two_clocks
 from shipid.encounter.tracking.scatter import tracked
 from shipid.encounter.tracking.scoring import score_tracks
@@ -93,6 +94,7 @@ def track(
             *own_echo,
             *scatter,
             *two_clocks(tracks, plots),
+            *silences(tracks, plots, rules.patience),
             *_widened(tracks),
             *(contradictions(score) if score else ()),
         ),

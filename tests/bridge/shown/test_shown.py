@@ -30,6 +30,11 @@ def test_json_never_holds_nan(value):
     json.loads(strict_json(value), parse_constant=refuse)
 
 
+def test_half_a_character_ends_no_connection():
+    text = strict_json({"told": "a\ud800b", "x\udc80": math.nan, "whole": "é"})
+    assert json.loads(text.encode("utf-8")) == {"told": "a?b", "x?": None, "whole": "é"}
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None])
 def test_a_number_that_is_none_is_null(value):
     assert number(value) is None

@@ -488,6 +488,13 @@ def test_hostile_deltas_disturb_nothing(text):
     assert source.take(0.4).values == {}
 
 
+def test_a_time_stamp_of_signal_k_that_would_steer_a_terminal_is_told_without():
+    source = SignalKSource("ws://127.0.0.1:1/")
+    source.feed(heading_at("2020-01-01\x1b10:00:00"))
+    (told,) = source.take(0.4).told
+    assert "2020-01-01?10:00:00" in told
+
+
 def test_a_signal_k_server_is_read_and_missed():
     from websockets.asyncio.server import serve
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 from shipid.trials.errors import EmptyFileError, HeaderError, RaggedRowError, SeparatorError
@@ -280,7 +281,7 @@ def _check_fit(path: Path, row: int, headers: Sequence[str], first: _Row, separa
         return
     apart = "Give every column a header and every row as many fields."
     # Between blanks a number and the unit behind it are two fields.
-    behind = [f"{cell} {unit}" for cell, unit in zip(sample, sample[1:]) if unit_of_cell(f"{cell} {unit}") is not None]
+    behind = [f"{cell} {unit}" for cell, unit in pairwise(sample) if unit_of_cell(f"{cell} {unit}") is not None]
     if separator == r"\s+" and behind:
         apart = (
             f"Units stand behind the numbers, as in '{behind[-1]}', and blanks separate the columns too: write the units in the header, "
