@@ -28,7 +28,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError, UnknownNameError
 
 #: What a measure is, which decides its statistics.
-Kind = Literal["value", "error", "nees", "probability", "event", "text"]
+Kind = Literal["value", "error", "nees", "probability", "event", "count", "text"]
 #: How batches run side by side on this machine: threads, for compiled functions, or processes.
 Engine = Literal["threads", "processes"]
 #: One run: its random numbers in, its measures out.
@@ -47,9 +47,10 @@ class Measure:
 
     Attributes
     ----------
-    kind : {"value", "error", "nees", "probability", "event", "text"}
+    kind : {"value", "error", "nees", "probability", "event", "count", "text"}
         A value has a mean; an error a root mean square and a mean; a normalised squared error is compared with its
-        degrees of freedom; a probability has a mean; an event (0 or 1) a share; a text is counted.
+        degrees of freedom; a probability has a mean; an event (0 or 1) a share; a count (how many events a run has: 0, 1,
+        2 and so on) a mean whose interval does not go below zero; a text is counted.
     unit : str
         SI, ``"1"`` for none.
     meaning : str

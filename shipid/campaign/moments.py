@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import chdtri, stdtrit
+from scipy.special import chdtri, gammaincinv, stdtrit
 
 from shipid.campaign.campaign import Measure
 from shipid.foundation.aliases import Plain
@@ -160,7 +160,8 @@ class MeasureTally:
         common = (name, self.measure, self.runs, self.missing)
         if self.measure.kind == "text":
             return Statistic(*common, texts=dict(self.texts.most_common()))
-        whole = _told(self.measure, self.overall, self.square)
+        step = 1.0 if self.places is None else 1.0 / max(self.places.count.size, 1)
+        whole = _told(self.measure, self.overall, self.square, step)
         if self.places is None or self.place_squares is None:
             return Statistic(*common, **whole)
         whole.pop("expected_interval", None)  # the mean over scans that depend on each other has another spread
@@ -182,7 +183,8 @@ class Statistic(Result):
     mean, std, low, high : float or None
         Over runs; of a run's mean where the measure has several places.
     mean_interval : tuple of float or None
-        95 % interval of the mean; of the share of an event by Wilson (1927).
+        95 % interval of the mean; of the share of an event by Wilson (1927), of the mean of a count by Garwood (1936) and Fay and
+        Feuer (1997), see `count_interval`.
     rmse : float or None
         Root mean square of an error.
     rmse_interval : tuple of float or None
@@ -262,8 +264,8 @@ def _ends(pair: Plain) -> list[float | None] | None:
     return None if pair is None else [plain(float(e)) for e in pair]
 
 
-def _told(measure: Measure, of: RunMoments, square: RunMoments) -> dict[str, Plain]:
-    """The statistics of a kind of measure: arrays by place, or numbers."""
+def _told(measure: Measure, of: RunMoments, square: RunMoments, step: float = 1.0) -> dict[str, Plain]:
+    """The statistics of a kind of measure: arrays by place, or numbers; one event more adds `step` to the value of a run."""
     half = of.band()
     known = of.count > 0
     mean = np.where(known, of.mean, np.nan)
@@ -278,6 +280,8 @@ def _told(measure: Measure, of: RunMoments, square: RunMoments) -> dict[str, Pla
         found["mean_interval"] = (np.maximum(mean - half, 0.0), np.minimum(mean + half, 1.0))
     if measure.kind == "event":
         found["mean_interval"] = _wilson(mean, of.count)
+    if measure.kind == "count":
+        found["mean_interval"] = count_interval(mean, of.std, of.count, step)
     if measure.kind == "error":
         spread = square.band()
         found["rmse"] = np.sqrt(np.where(known, square.mean, np.nan))
@@ -294,6 +298,40 @@ def _told(measure: Measure, of: RunMoments, square: RunMoments) -> dict[str, Pla
         name: tuple(float(v) for v in value) if isinstance(value, tuple) else float(value)
         for name, value in found.items()
     }
+
+
+def count_interval(
+    mean: np.ndarray, std: np.ndarray, runs: np.ndarray, step: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the 95 % interval of the mean of a count: never below zero, and above it where no run has an event.
+
+    The gamma interval of Fay and Feuer (1997, Statistics in Medicine 16, 791-801) with equal weights. Where events come
+    independently (Poisson) it is the exact one of Garwood (1936, Biometrika 28, 437-442). Events that come in clusters have a larger
+    variance than mean: the weight is then their ratio as measured, widened as Student's distribution asks of so few runs. A
+    smaller variance does not narrow it: few runs may look calm by chance. Where no run has an event nothing shows whether they come
+    in clusters, and the interval is that of independent ones.
+
+    Parameters
+    ----------
+    mean, std : ndarray
+        Over runs, events a run.
+    runs : ndarray
+        Runs with a value.
+    step : float
+        What one event more adds to the value of a run: less than 1 where that is a mean over places.
+
+    Returns
+    -------
+    tuple of ndarray
+        Its ends; NaN for fewer than two runs, which do not show how the counts scatter.
+    """
+    wide = (stdtrit(np.maximum(runs - 1, 1), 0.975) / NORMAL_95) ** 2
+    scattered = np.where(mean > 0, wide * std**2 / np.where(mean > 0, mean, 1.0), 0.0)
+    weight = np.maximum(scattered, step) / np.maximum(runs, 1)
+    events = mean / weight
+    low = np.where(events > 0, gammaincinv(np.where(events > 0, events, 1.0), 0.025), 0.0)
+    known = runs > 1
+    return np.where(known, weight * low, np.nan), np.where(known, weight * gammaincinv(events + 1, 0.975), np.nan)
 
 
 def _wilson(share: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

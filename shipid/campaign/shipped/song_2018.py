@@ -220,7 +220,7 @@ def runs_of(case: Case, methods: Sequence[str] = METHODS) -> Mapping[str, Measur
     found: dict[str, Measure] = {}
     for method in methods:
         what = f"{method.replace('_', ' ')}, {case.name}"
-        found[f"entries_{method}"] = Measure("value", "1", f"periods in a domain: {what}")
+        found[f"entries_{method}"] = Measure("count", "1", f"periods in a domain: {what}")
         found[f"entered_{method}"] = Measure("event", "1", f"whether a domain was entered: {what}")
         found[f"periods_{method}"] = Measure("value", "1", f"periods to the goal: {what}")
         found[f"turned_{method}"] = Measure("value", "rad", f"changes of heading: {what}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -106,15 +106,15 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         See `heading_drawing`.
     """
     trial = next(iter(comparisons.values())).trial
-    measured, fixes = _measured_track(trial), _fixes(trial)
+    measured = _measured_track(trial)
     lines: list[tuple[str, np.ndarray, np.ndarray]] = []
     if measured is not None:
-        lines.append(("measured", measured[0], measured[1]))
+        lines.append(("measured", measured.north, measured.east))
     for label, c in comparisons.items():
         n = good_samples(c)
         if n > 1 and "x" in c.predicted and "y" in c.predicted:
             north, east = c.predicted["x"][:n], c.predicted["y"][:n]
-            if measured is not None and measured[2] != "positions":
+            if measured is not None and measured.source != "positions":
                 north, east = north - north[0], east - east[0]
             lines.append((label, north, east))
     if not lines:
@@ -131,15 +131,22 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
     note = f"Track, north up, {scales}."
     if measured is not None:
-        width = 2 * _averaged(_times(trial)) if measured[2] == "positions" else 0.0
-        over = f", averaged over {brief(width, 2)} s" if width else ""
-        note += f" Measured track from {measured[2]}{over}."
+        over = f", averaged over {brief(measured.averaged, 2)} s" if measured.averaged else ""
+        note += f" Measured track from {measured.source}{over}."
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
         predicted = 0
-        if fixes is not None:
-            ax.plot(fixes[1], fixes[0], ".", color=MUTED, markersize=1.4, alpha=0.6, label="position fixes")
+        if measured is not None and measured.fixes is not None:
+            ax.plot(
+                measured.fixes[1],
+                measured.fixes[0],
+                ".",
+                color=MUTED,
+                markersize=1.4,
+                alpha=0.6,
+                label="position fixes",
+            )
         for label, north, east in lines:
             kept = np.union1d(thin(east, 300), thin(north, 300))
             if label == "measured":
@@ -206,21 +213,30 @@ def _line(ax: Axes, t: np.ndarray, y: np.ndarray, label: str, **look: Plain) -> 
         ax.plot(x[kept], values[kept], label=label, **look)
 
 
-def _measured_track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
-    """North and east in m, NaN where the line breaks, and where they come from; positions are averaged over some samples."""
-    t = trial["t"]
-    if trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any():
-        north, east = (with_gaps(t[both], trial[n][both])[1] for n in ("x", "y"))
-        calm = smooth_track(trial, t[both], _averaged(t[both])) if both.sum() >= _FEW else None
-        if calm is not None and np.isfinite(calm[0] + calm[1]).any():
-            north, east = calm
-        return north, east, "positions"
-    return track(_between_samples(trial))
+@dataclass(frozen=True, eq=False)
+class _MeasuredTrack:
+    """North and east [m], NaN where the line breaks; where they come from; the time over which positions are averaged [s], or 0; and
+    the positions as logged, evenly thinned, where they do not lie on the line.
+    """
+
+    north: np.ndarray
+    east: np.ndarray
+    source: str
+    averaged: float = 0.0
+    fixes: tuple[np.ndarray, np.ndarray] | None = None
 
 
-def _times(trial: Trial) -> np.ndarray:
-    """When both positions are there."""
-    return np.asarray(trial["t"][np.isfinite(trial["x"] + trial["y"])])
+def _measured_track(trial: Trial) -> _MeasuredTrack | None:
+    """The positions, averaged over some samples where there are enough; without any the track from speed and heading."""
+    if not (trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any()):
+        reckoned = track(_between_samples(trial))
+        return None if reckoned is None else _MeasuredTrack(*reckoned)
+    t, north, east = (trial[n][both] for n in ("t", "x", "y"))
+    half = _averaged(t)
+    calm = smooth_track(trial, t, half) if half else None
+    if calm is None or not np.isfinite(calm[0] + calm[1]).any():
+        return _MeasuredTrack(with_gaps(t, north)[1], with_gaps(t, east)[1], "positions")
+    return _MeasuredTrack(*calm, "positions", 2 * half, _beside((north, east), calm))
 
 
 def _averaged(t: np.ndarray) -> float:
@@ -231,22 +247,16 @@ def _averaged(t: np.ndarray) -> float:
     return max(2.5 * every, min(_CALM, max(5 * every, 0.01 * float(np.ptp(t)))))
 
 
-def _fixes(trial: Trial) -> tuple[np.ndarray, np.ndarray] | None:
-    """The positions as logged, evenly thinned; None where there are none or they lie on the line."""
-    if not trial.has("x", "y"):
-        return None
-    rows = np.flatnonzero(np.isfinite(trial["x"] + trial["y"]))
-    if rows.size < _FEW:
-        return None
-    t, north, east = trial["t"][rows], trial["x"][rows], trial["y"][rows]
-    calm = smooth_track(trial, t, _averaged(t))
-    if calm is None or not (good := np.isfinite(calm[0] + calm[1])).any():
-        return None
-    apart = [np.abs(one - line)[good] for one, line in zip((north, east), calm)]
+def _beside(
+    logged: tuple[np.ndarray, np.ndarray], calm: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """The positions as logged, evenly thinned; None where they lie on the line."""
+    good = np.isfinite(calm[0] + calm[1])
+    apart = [np.abs(one - line)[good] for one, line in zip(logged, calm)]
     if all(np.quantile(one, 0.9) < _SEEN * max(np.ptp(line[good]), 1.0) for one, line in zip(apart, calm)):
         return None
-    kept = slice(None, None, 1 + rows.size // _MARKS)
-    return north[kept], east[kept]
+    kept = slice(None, None, 1 + logged[0].size // _MARKS)
+    return logged[0][kept], logged[1][kept]
 
 
 def _between_samples(trial: Trial) -> Trial:

@@ -6,6 +6,7 @@ import numpy as np
 
 import shipid
 from shipid.identification.validation.comparison import Comparison
+from shipid.report.figures import comparisons
 from shipid.report.figures.comparisons import track_drawing
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre
 from shipid.trials.trial import Trial
@@ -43,3 +44,14 @@ def test_swings_that_last_few_fixes_are_drawn():
     measured = _drawn(trial)["measured"]
     across = np.interp(trial["x"], measured.get_ydata(), measured.get_xdata())
     assert np.abs(across - trial["y"]).max() < 0.05 * np.ptp(trial["y"])
+
+
+def test_positions_are_averaged_once(monkeypatch):
+    calls = []
+    smooth = comparisons.smooth_track
+    monkeypatch.setattr(comparisons, "smooth_track", lambda *a: calls.append(1) or smooth(*a))
+    zigzag = Manoeuvre("zigzag", (np.radians(10.0), np.radians(10.0)))
+    trial = shipid.simulate(
+        shipid.find_model("de-keizer"), "soesterberg", zigzag, sampling="1 s", noise={"x": "8 m", "y": "8 m"}
+    )
+    assert "position fixes" in _drawn(trial) and len(calls) == 1
