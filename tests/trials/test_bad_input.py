@@ -223,7 +223,7 @@ def test_a_rudder_of_which_no_sample_is_known(log, table):
     trial = read_trial(log(table))
     hole = Trial("hole", trial.table.assign(delta=np.nan), trial.source)
     with pytest.raises(
-        e.NoRudderMovementError, match="trial 'hole', column 'delta': each of its .* samples is missing"
+        e.NoRudderMovementError, match=r"trial 'hole', column 'delta': each of its .* samples is missing"
     ):
         check_identifiable_input(hole)
 
