@@ -43,6 +43,8 @@ def test_an_outlier_beside_no_noise_is_no_millions_of_times_as_large():
     t, speed = np.arange(200.0), np.full(200, 4.0)
     speed[[60, 120]] = 51.0
     psi = 0.3 * np.sin(t / 15)
-    table = pd.DataFrame({"t": t, "psi": psi, "r": np.gradient(psi), "delta": 0.2 * np.sign(np.cos(t / 15)), "u": speed})
+    table = pd.DataFrame(
+        {"t": t, "psi": psi, "r": np.gradient(psi), "delta": 0.2 * np.sign(np.cos(t / 15)), "u": speed}
+    )
     (found,) = (f for f in shipid.check_trial(Trial("log", table)).findings if f.kind == "outlier")
     assert "2 samples of u" in str(found) and "by more than 1000 times the noise" in str(found)
