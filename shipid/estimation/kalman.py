@@ -31,6 +31,7 @@ from shipid.foundation.errors import UsageError
 from shipid.foundation.numbers import moment
 from shipid.foundation.result import Printed
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.trials.trial import Trial
 
 
 class ExtendedKalmanFilter(Printed):
@@ -230,7 +231,7 @@ class ExtendedKalmanFilter(Printed):
             arranged,
             lambda carried, hole: restarted(design, arranged, carried, hole),
         )
-        check_finite(design, arranged, out)
+        check_finite(design, arranged, out, record.name if isinstance(record, Trial) else None)
         return FilterRun(design, columns_of(record)[1], arranged, control, starts, out)
 
     def smooth(self, run: FilterRun) -> Smoothed:
@@ -359,7 +360,7 @@ class ExtendedKalmanFilter(Printed):
         return online
 
 
-def check_finite(design: FilterDesign, arranged: Arrangement, out: np.ndarray) -> None:
+def check_finite(design: FilterDesign, arranged: Arrangement, out: np.ndarray, trial: str | None = None) -> None:
     """Raise an error if the estimates diverged.
 
     Parameters
@@ -370,6 +371,8 @@ def check_finite(design: FilterDesign, arranged: Arrangement, out: np.ndarray) -
         The record.
     out : ndarray, shape (rows, outputs)
         What the step returned of each row.
+    trial : str, optional
+        The record's name.
 
     Raises
     ------
@@ -378,7 +381,8 @@ def check_finite(design: FilterDesign, arranged: Arrangement, out: np.ndarray) -
     """
     good = np.isfinite(out[:, : design.layout.full["var"].stop]).all(axis=1)
     if not good.all():
+        whose = "" if trial is None else f"trial '{trial}': "
         raise FilterDivergedError(
-            f"the filter of model {design.base.name} diverges {moment(arranged.t[np.argmin(good)])} s into the record. Start "
+            f"{whose}the filter of model {design.base.name} diverges {moment(arranged.t[np.argmin(good)])} s into the record. Start "
             "closer to the true state (start, initial), put more noise on the states, or estimate fewer parameters."
         )

@@ -23,7 +23,7 @@ def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
     Raises
     ------
     NoRudderMovementError
-        If the rudder stays within 0.5 deg.
+        If the rudder stays within 0.5 deg, or no sample of it is known.
     UnknownColumnError
         If there is no such column.
     """
@@ -34,6 +34,11 @@ def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
         )
     delta = trial[column]
     delta = delta[np.isfinite(delta)]
+    if not delta.size:
+        raise NoRudderMovementError(
+            f"trial '{trial.name}', column '{column}': each of its {len(trial)} samples is missing, so that there is no response to identify. "
+            "Use a stretch in which the rudder is known."
+        )
     spread = float(np.ptp(delta))
     if spread <= STEADY_RUDDER:
         raise NoRudderMovementError(

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from filterpy.kalman import ExtendedKalmanFilter as Oracle
 
@@ -13,6 +14,8 @@ from shipid.declaration.scale import Scale
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.settings.initial import state_bounds
 from shipid.parameters.parameter_set import ParameterSet, Value
+from shipid.trials.source import Source
+from shipid.trials.trial import Trial
 
 
 class _Moved(Oracle):
@@ -174,6 +177,9 @@ def test_runs_away_is_an_error(setup: Any) -> None:
     record = {"t": t, "thrust": np.full(400, -5.0), "log": np.where(t < 1, -1.0, np.nan)}
     with pytest.raises(FilterDivergedError, match=r"model surge diverges .* s into the record\. Start closer"):
         hand.kalman.filter(record)
+    trial = Trial("backwards", pd.DataFrame(record), Source(), units={"thrust": "m/s^2", "log": "m/s"})
+    with pytest.raises(FilterDivergedError, match=r"^trial 'backwards': the filter of model surge diverges"):
+        hand.kalman.filter(trial)
 
 
 def test_noise_of_a_parameter_in_its_own_unit(setup: Any) -> None:

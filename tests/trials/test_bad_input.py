@@ -219,6 +219,15 @@ def test_rudder_that_does_not_move(log, table):
         check_identifiable_input(trial, "delta_order")
 
 
+def test_a_rudder_of_which_no_sample_is_known(log, table):
+    trial = read_trial(log(table))
+    hole = Trial("hole", trial.table.assign(delta=np.nan), trial.source)
+    with pytest.raises(
+        e.NoRudderMovementError, match=r"trial 'hole', column 'delta': each of its .* samples is missing"
+    ):
+        check_identifiable_input(hole)
+
+
 def test_asking_for_a_column_that_is_not_there(log, table):
     with pytest.raises(e.UnknownColumnError, match="Did you mean psi"):
         read_trial(log(table))["psy"]

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+import pandas as pd
+
+import shipid
 from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch
+from shipid.trials.trial import Trial
 
 
 def test_the_confidence_is_given_in_tenths_of_a_percent():
@@ -32,3 +37,14 @@ def test_a_finding_at_one_sample_says_one_place():
     assert (one.in_rows, one.when) == ("row 700", "140 s") and "[row 700, 140 s]" in str(one)
     several = Finding("hole", "psi", (3, 9), (1.2, 3.6), 7, 0.99, "effect", "repair", "message")
     assert "[rows 3-9, 1.2 to 3.6 s]" in str(several)
+
+
+def test_an_outlier_beside_no_noise_is_no_millions_of_times_as_large():
+    t, speed = np.arange(200.0), np.full(200, 4.0)
+    speed[[60, 120]] = 51.0
+    psi = 0.3 * np.sin(t / 15)
+    table = pd.DataFrame(
+        {"t": t, "psi": psi, "r": np.gradient(psi), "delta": 0.2 * np.sign(np.cos(t / 15)), "u": speed}
+    )
+    (found,) = (f for f in shipid.check_trial(Trial("log", table)).findings if f.kind == "outlier")
+    assert "2 samples of u" in str(found) and "by more than 1000 times the noise" in str(found)
