@@ -263,6 +263,30 @@ def test_a_long_table_breaks_between_its_rows_and_a_short_one_stays_whole(tmp_pa
         assert "FindingMeaningRepair" in page.replace("\n", "").replace(" ", ""), "the head stands on both pages"
 
 
+def test_a_table_of_coefficients_leaves_no_third_of_a_sheet_empty(tmp_path):
+    """Six coefficients below what may be believed stood on the next sheet, with their heading."""
+    if shutil.which("chromium") is None:
+        pytest.skip("no Chromium on this machine")
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
+    template = environment.from_string(
+        '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+        '{% from "macros.html" import body, head, scroll %}<div style="height: 175mm"></div><p>Above.</p>'
+        '{% set columns = [("Coefficient", "what"), ("Meaning", "words", "wide")] %}'
+        '{% call scroll("stack") %}{{ head(columns) }}{{ body(columns, rows, "Fitted") }}{% endcall %}'
+    )
+    printed = {}
+    for count in (4, 6):
+        rows = [{"what": f"row{k}.", "words": " ".join(["Meaning of a coefficient."] * 28)} for k in range(count)]
+        rows[-2]["remark"] = "It is not distinguishable from zero."
+        (tmp_path / "page.html").write_text(template.render(rows=rows), encoding="utf-8")
+        write_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
+        printed[count] = [p.extract_text() for p in pypdf.PdfReader(tmp_path / "page.pdf").pages]
+    assert "row0." not in printed[4][0] and "row3." in printed[4][1], "a short one stays whole"
+    first, second = printed[6]
+    assert "Fitted" in first and "row1." in first and "row4." in second and "row5." in second
+    assert all("Coefficient" in page for page in (first, second)), "the head stands on both pages"
+
+
 def test_a_card_that_only_a_number_names_says_what_the_number_counts():
     """On a phone the head of the table is not shown: '2' alone is nothing."""
     environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
