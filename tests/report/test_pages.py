@@ -271,7 +271,7 @@ def test_a_table_of_coefficients_leaves_no_third_of_a_sheet_empty(tmp_path):
     template = environment.from_string(
         '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
         '{% from "macros.html" import body, head, scroll %}<div style="height: 175mm"></div><p>Above.</p>'
-        '{% set columns = [("Coefficient", "what"), ("Meaning", "words", "wide")] %}'
+        '{% set columns = [("Name", "what"), ("Meaning", "words", "wide")] %}'
         '{% call scroll("stack") %}{{ head(columns) }}{{ body(columns, rows, "Fitted") }}{% endcall %}'
     )
     printed = {}
@@ -284,7 +284,7 @@ def test_a_table_of_coefficients_leaves_no_third_of_a_sheet_empty(tmp_path):
     assert "row0." not in printed[4][0] and "row3." in printed[4][1], "a short one stays whole"
     first, second = printed[6]
     assert "Fitted" in first and "row1." in first and "row4." in second and "row5." in second
-    assert all("Coefficient" in page for page in (first, second)), "the head stands on both pages"
+    assert all("Name" in page for page in (first, second)), "the head stands on both pages"
 
 
 def test_a_card_that_only_a_number_names_says_what_the_number_counts():
