@@ -14,7 +14,7 @@ from shipid.report.write_report import render
 
 def _count(name: str, meaning: str, mean: float) -> Statistic:
     return Statistic(
-        name, Measure("value", "1", meaning), 40, 0, mean=mean, std=1.493, low=0.0, high=7.0, mean_interval=(1.02, 1.98)
+        name, Measure("count", "1", meaning), 40, 0, mean=mean, std=1.493, low=0.0, high=7.0, mean_interval=(1.02, 1.98)
     )
 
 
@@ -35,6 +35,7 @@ def test_a_whole_number_has_no_decimals_on_page_and_terminal(found):
     row = re.search(r"<tr><th[^>]*>Entries: raw.*?</tr>", page, re.DOTALL).group()
     cells = dict(re.findall(r'data-label="([^"]*)">([^<]*)<', row))
     assert (cells["Standard deviation"], cells["Smallest"], cells["Largest"]) == ("1.5", "0", "7")
+    assert "those of counts Garwood's" in page
     assert "standard deviation 1.5, from 0 to 7" in summary(found.statistics["one"])
 
 
