@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 
 from shipid.campaign.campaign import Measure
 from shipid.campaign.moments import Statistic
 from shipid.campaign.result import CampaignResult, summary
+from shipid.foundation.notices import Notice
 from shipid.report.write_report import render
 
 
@@ -49,3 +51,10 @@ def test_measures_that_differ_in_one_word_are_drawn_beside_each_other(found):
     assert page.count("means with their 95 % intervals") == 2, "a title and a label of one figure"
     words = re.findall(r"<text[^>]*>([^<]*)</text>", page)
     assert {"raw", "smooth", "Entries"} <= set(words)
+
+
+def test_what_a_page_warns_of_ends_with_a_full_stop(found):
+    """Words of the terminal stood in a box of the page without one."""
+    warnings = (Notice("the propeller is stopped: no zig-zag does that", "a", serious=True), Notice("It is so.", "b"))
+    page = render(replace(found, warnings=warnings))
+    assert "no zig-zag does that.</p>" in page and "It is so.</p>" in page
