@@ -11,7 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import brief, fixed, quantity
+from shipid.foundation.numbers import brief, fixed, number, quantity
 from shipid.foundation.result import DrawnResult, Result, ResultEntry
 
 if TYPE_CHECKING:
@@ -66,7 +66,8 @@ def loop_width_limit(unit_time: float) -> float:
 DEEP = 4.0
 #: Why a quantity with a value to both sides is not decided.
 OPEN = "the limit lies inside the 95 % band"
-_VERDICT = {True: "within", False: "BEYOND", None: ""}
+#: Why a value has no band although there are draws.
+NO_BAND = "no band: more than one draw in twenty does not reach it"
 #: Digits behind the point, by the unit of a quantity: a log shows a tenth of a degree, and lengths are told to a hundredth.
 _DECIMALS = {"deg": 1, "L": 2}
 
@@ -169,8 +170,8 @@ class Criteria(DrawnResult):
     rows : tuple of Criterion
         The quantities.
     spiral : mapping or None
-        ``half_width_deg``, ``loop_width_deg``, ``loop_height_deg_s``, ``stable``, with the band of the half width, and the
-        limit of the width; None where the model has no spiral.
+        ``stable``; ``half_width`` and ``loop_width`` of the loop with their bands, ``loop_height``; the ``limit`` of the width, whether
+        it is ``within`` it and the ``words`` why that is not decided; None where the model has no spiral.
     notes : tuple of str
         Notes for the reader.
     """
@@ -241,13 +242,7 @@ class Criteria(DrawnResult):
                 f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {verdict}".rstrip()
             )
         if self.spiral is not None:
-            s = self.spiral
-            lines.append(
-                "  straight course: stable, no spiral loop" if s["half_width"]["value"] == 0 and s["stable"]
-                else f"  straight course: {'stable' if s['stable'] else 'unstable'}; spiral loop of "
-                f"{decimals(s['half_width']['value'], 'deg')} deg half width; width {decimals(s['loop_width']['value'], 'deg')} deg, {s['limit_text']}"
-                + (f", {_VERDICT[s['within']]}" if s["within"] is not None else "")
-            )  # fmt: skip
+            lines.append("  spiral: " + spiral_words(self.spiral).replace(", beyond", ", BEYOND"))
         lines += [f"  not covered: {what}" for what in NOT_COVERED]
         return "\n".join([*lines, *(f"  {n}" for n in self.notes)])
 
@@ -255,6 +250,32 @@ class Criteria(DrawnResult):
 def _plain(side: CriterionSide, unit: str) -> dict[str, Plain]:
     ends = None if side.band95 is None else list(side.band95)
     return {"value": side.value, "unit": unit, "interval_95": ends, "words": side.words}
+
+
+def spiral_words(spiral: Mapping[str, Plain]) -> str:
+    """Return what a spiral shows, in words: whether the ship is stable, her loop with its band, and its width beside the limit.
+
+    Parameters
+    ----------
+    spiral : mapping
+        See `Criteria`.
+    """
+    band, height = spiral["loop_width"]["interval_95"], spiral["loop_height"]["value"]
+    words = "stable on a straight course" if spiral["stable"] else "unstable on a straight course"
+    if spiral["loop_width"]["value"] == 0:
+        words += ", no loop"
+        if spiral["stable"] and (band is None or band[1] == 0):
+            return words + (f"; {spiral['words']}" if spiral["words"] else "")
+    else:
+        words += f"; half width of the loop {decimals(spiral['half_width']['value'], 'deg')} deg"
+        words += "" if height is None else f", height {number(height, 3)} deg/s"
+    ends = "" if band is None else " ({} to {})".format(*(decimals(end, "deg") for end in band))
+    words += f"; width {decimals(spiral['loop_width']['value'], 'deg')}{ends} deg, {spiral['limit_text']}"
+    if spiral["within"] is None and spiral["words"]:
+        return f"{words}, not decided: {spiral['words']}"
+    beside = f"; {spiral['words']}" if spiral["words"] else ""
+    verdict = {True: ", within", False: ", beyond", None: ""}[spiral["within"]]
+    return f"{words}{beside}{verdict}"
 
 
 def decimals(value: float, unit: str) -> str:

@@ -13,6 +13,8 @@ from threadpoolctl import threadpool_limits
 
 from shipid.criteria.criteria import (
     DEEP,
+    NO_BAND,
+    OPEN,
     WORDING,
     Criteria,
     Criterion,
@@ -190,7 +192,7 @@ def _rows(
             band = band_of(value, [d.values[key] for d in drawn])
             words = "" if value is not None else _why(key, point)
             if value is not None and band is None and drawn:
-                words = "no band: more than one draw in twenty does not reach it"
+                words = NO_BAND
             scaled = None if band is None else (band[0] * scale, band[1] * scale)
             found.append(CriterionSide(None if value is None else value * scale, scaled, words))
         if "by L/V" in text and limit is not None:
@@ -231,20 +233,32 @@ def _spiral(
         return None
     deg = display_factor("psi", "rad")
     limit = loop_width_limit(unit_time)
-    band = band_of(point.half_width, [None if d is None else d.half_width for d in drawn])
+    found = band_of(point.half_width, [None if d is None else d.half_width for d in drawn])
+    band = None if found is None else (max(0.0, found[0] * deg), found[1] * deg)
+    wide, words = point.loop_width * deg, ""
+    low, high = (wide, wide) if band is None else (2 * band[0], 2 * band[1])
+    # As of every other value: not decided where the limit lies inside the band. A width of zero with a limit of zero is within.
+    within = True if high <= limit else False if low > limit else None
+    if not judged:
+        within = None
+    elif within is None:
+        words = OPEN
+    elif band is None and drawn:
+        words = NO_BAND
     return {
         "stable": point.stable,
         "half_width": {
             **quantity(point.half_width * deg, "deg"),
-            "interval_95": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
+            "interval_95": None if band is None else list(band),
         },
-        "loop_width": quantity(point.loop_width * deg, "deg"),
+        "loop_width": {**quantity(wide, "deg"), "interval_95": None if band is None else [low, high]},
         "loop_height": quantity(None if point.loop_height is None else point.loop_height * deg, "deg/s"),
         "limit": quantity(limit, "deg"),
         "limit_text": f"limit of {brief(limit)} deg at L/V {brief(unit_time)} s (ascribed to the ABS guide of 2006, not verified)"
         if judged
         else "judged in deep water only",
-        "within": bool(point.loop_width * deg <= limit) if judged else None,
+        "within": within,
+        "words": words,
     }
 
 

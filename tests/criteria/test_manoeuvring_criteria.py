@@ -58,6 +58,20 @@ def test_the_width_of_a_loop_stands_beside_its_limit():
         assert f"{'within' if within else 'BEYOND'}\n" in result.text().partition("straight course")[2]
 
 
+@pytest.mark.parametrize(("spread", "within"), [(0.03, False), (0.3, None)])
+def test_a_width_is_not_decided_where_its_limit_lies_inside_its_band(spread, within):
+    """The loop of 6.16 deg beside 4.93 deg: beyond with a narrow band, open with a wide one."""
+    own, model = shipid.find_ship("soesterberg"), shipid.find_model("norrbin")
+    section = {n: Value(n, v, model[n].unit, "assumed", std=spread * abs(v)) for n, v in unstable(U).items()}
+    result = manoeuvring_criteria("norrbin", ship=replace(own, sections={**own.sections, "norrbin": section}))
+    spiral = json.loads(json.dumps(result.to_dict(), allow_nan=False))["spiral"]
+    (low, high), limit = spiral["loop_width"]["interval_95"], spiral["limit"]["value"]
+    assert 0 <= low < 6.16 < high and (low > limit) == (within is False) and spiral["within"] is within
+    said = result.text().partition("spiral: unstable on a straight course")[2].partition("\n")[0]
+    assert said.endswith("BEYOND" if within is False else "not decided: the limit lies inside the 95 % band")
+    assert f"width 6.2 ({low:.1f} to {high:.1f}) deg" in said and said.replace("BEYOND", "beyond") in render(result)
+
+
 def test_nothing_is_judged_in_shallow_water():
     """A circle and a spiral at 1.4 draughts were within limits that hold in deep water."""
     model = shipid.find_model("mmg-shallow")

@@ -263,6 +263,53 @@ def test_a_long_table_breaks_between_its_rows_and_a_short_one_stays_whole(tmp_pa
         assert "FindingMeaningRepair" in page.replace("\n", "").replace(" ", ""), "the head stands on both pages"
 
 
+def test_a_table_of_coefficients_leaves_no_third_of_a_sheet_empty(tmp_path):
+    """Six coefficients below what may be believed stood on the next sheet, with their heading."""
+    if shutil.which("chromium") is None:
+        pytest.skip("no Chromium on this machine")
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
+    template = environment.from_string(
+        '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+        '{% from "macros.html" import body, head, scroll %}<div style="height: 175mm"></div><p>Above.</p>'
+        '{% set columns = [("Name", "what"), ("Meaning", "words", "wide")] %}'
+        '{% call scroll("stack") %}{{ head(columns) }}{{ body(columns, rows, "Fitted") }}{% endcall %}'
+    )
+    printed = {}
+    for count in (4, 6):
+        rows = [{"what": f"row{k}.", "words": " ".join(["Meaning of a coefficient."] * 28)} for k in range(count)]
+        rows[-2]["remark"] = "It is not distinguishable from zero."
+        (tmp_path / "page.html").write_text(template.render(rows=rows), encoding="utf-8")
+        write_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
+        printed[count] = [p.extract_text() for p in pypdf.PdfReader(tmp_path / "page.pdf").pages]
+    assert "row0." not in printed[4][0] and "row3." in printed[4][1], "a short one stays whole"
+    first, second = printed[6]
+    assert "Fitted" in first and "row1." in first and "row4." in second and "row5." in second
+    assert all("Name" in page for page in (first, second)), "the head stands on both pages"
+
+
+def test_the_tables_of_a_manoeuvre_stand_beside_each_other_on_paper(browser):
+    """Eight columns of reversals, where the rudder was read from its ramp, ran into the table of the quantities."""
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
+    columns = [
+        (f"{what} [deg]", what, "n")
+        for what in ["Reversal", "Execute", "Heading", "Overshoot", "Uncertain", "Moved", "Extreme", "Yaw"]
+    ]
+    page = browser.new_page(viewport={"width": 680, "height": 960})  # the width of a sheet between its margins
+    page.set_content(
+        environment.from_string(
+            '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+            '{% from "macros.html" import table %}<div class="figures measured"><div>{{ table(columns, rows) }}</div>'
+            '<div>{{ table([("Quantity", "a"), ("Measured", "b", "n")], [{"a": "Initial turning distance", "b": "633 m"}]) }}'
+            "</div></div>"
+        ).render(columns=columns, rows=[{name: "−310.89" for _, name, _ in columns}] * 3)
+    )
+    page.emulate_media(media="print")
+    left, right = page.evaluate("[...document.querySelectorAll('table')].map(t => t.getBoundingClientRect().toJSON())")
+    page.close()
+    assert left["right"] > 410, "the table is wider than the place it usually has"
+    assert left["right"] < right["left"] and right["right"] <= 680
+
+
 def test_a_card_that_only_a_number_names_says_what_the_number_counts():
     """On a phone the head of the table is not shown: '2' alone is nothing."""
     environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)

@@ -65,3 +65,13 @@ def test_the_track_of_a_circle_is_broken_where_the_positions_have_a_hole():
     whole = next(a for a in _drawn(Trial.from_frame(full)).lines if a.get_label() == "track")
     apart = np.hypot(path.get_xdata() - whole.get_xdata(), path.get_ydata() - whole.get_ydata())
     assert np.nanmax(apart) < 2.0
+
+
+def test_the_dimensions_of_a_model_s_circle_have_the_digits_of_the_table():
+    """A model of 3 m turned in a circle of 8.66 m, "tactical diameter 9 m"."""
+    turn = Manoeuvre("turn", (np.radians(35.0), np.radians(400.0)))
+    trial = shipid.simulate(shipid.find_model("norrbin"), "esso-osaka-3m", turn, sampling="0.2 s", speed="0.4 m/s")
+    measures, words = shipid.measure(trial), {text.get_text() for text in _drawn(trial).texts}
+    for name in ("advance", "transfer", "tactical_diameter"):
+        value = getattr(measures, name)
+        assert value < 100 and f"{name.replace('_', ' ')} {value:.3g} m" in words

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from shipid.criteria.criteria import NOT_COVERED, OPEN, Criteria, Criterion, CriterionSide, decimals
+from shipid.criteria.criteria import NOT_COVERED, OPEN, Criteria, Criterion, CriterionSide, spiral_words
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
@@ -112,19 +112,7 @@ def _why(side: CriterionSide) -> str:
     return f"{why}." if why and not why.endswith(".") else why
 
 
-def _band(band: tuple[float, float] | None) -> str:
-    return "" if band is None else f"{decimals(band[0], 'deg')} to {decimals(band[1], 'deg')}"
-
-
 def _spiral(found: Criteria) -> str:
-    s = found.spiral
-    if s is None:
+    if found.spiral is None:
         return "The model has no steady turn to draw a spiral from."
-    if s["half_width"]["value"] == 0:
-        return "Spiral: no loop; the ship is stable on a straight course."
-    height, band = s["loop_height"]["value"], _band(s["half_width"]["interval_95"])
-    words = f"Spiral: the ship is unstable on a straight course; half width of the loop {decimals(s['half_width']['value'], 'deg')} deg"
-    words += f" (95 % band {band} deg)" if band else ""
-    words += f", height {number(height, 3)} deg/s" if height is not None else ""
-    verdict = {True: "within the ", False: "beyond the ", None: ""}[s["within"]]
-    return f"{words}; its width of {decimals(s['loop_width']['value'], 'deg')} deg is {verdict}{s['limit_text']}."
+    return f"Spiral: {spiral_words(found.spiral)}."
