@@ -299,15 +299,20 @@ def test_the_tables_of_a_manoeuvre_stand_beside_each_other_on_paper(browser):
         environment.from_string(
             '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
             '{% from "macros.html" import table %}<div class="figures measured"><div>{{ table(columns, rows) }}</div>'
-            '<div>{{ table([("Quantity", "a"), ("Measured", "b", "n")], [{"a": "Initial turning distance", "b": "633 m"}]) }}'
+            '<div>{{ table([("Quantity", "a"), ("Measured", "b", "n")], [{"a": "Tactical diameter in still water", "b": "6.91 m (2.30 L)"}]) }}'
             "</div></div>"
         ).render(columns=columns, rows=[{name: "−310.89" for _, name, _ in columns}] * 3)
     )
     page.emulate_media(media="print")
+    lines = page.evaluate(
+        "[...document.querySelectorAll('div + div td')].map(d => d.firstChild).map(words => {"
+        "const r = document.createRange(); r.selectNode(words); return r.getClientRects().length})"
+    )
     left, right = page.evaluate("[...document.querySelectorAll('table')].map(t => t.getBoundingClientRect().toJSON())")
     page.close()
     assert left["right"] > 410, "the table is wider than the place it usually has"
     assert left["right"] < right["left"] and right["right"] <= 680
+    assert lines == [1], "a value stands on one line with its unit"
 
 
 def test_a_card_that_only_a_number_names_says_what_the_number_counts():

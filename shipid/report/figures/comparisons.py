@@ -131,7 +131,7 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
     note = f"Track, north up, {scales}."
     if measured is not None:
-        over = f", averaged over {brief(measured.averaged, 2)} s" if measured.averaged else ""
+        over = f", averaged over {brief(measured.averaged, 2)}\u00a0s" if measured.averaged else ""
         note += f" Measured track from {measured.source}{over}."
 
     def draw(figure: Figure) -> None:

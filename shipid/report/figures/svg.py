@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 MOST_POINTS = 600
 #: Width in inches: text of 9 pt stays readable when a phone shrinks it to 330 px.
 WIDTH = 4.7
+#: A mark of a legend in points, at least.
+_MARK = 3.5
 #: Colours as matplotlib draws them. On a page each is the custom property of that name, which has a shade of its own on light
 #: paper, on dark paper and in print.
 BLUE, ORANGE, GREEN, PURPLE, GOLD, RED = "#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", "#c0392b"
@@ -181,9 +183,11 @@ def legend(figure: Figure, axes: Iterable[Panels]) -> None:
     axes : iterable of Axes
         Its panels.
     """
+    from matplotlib.lines import Line2D
+
     handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels())}
     if len(handles) > 1:
-        figure.legend(
+        drawn = figure.legend(
             handles.values(),
             handles.keys(),
             loc="upper left",
@@ -193,6 +197,10 @@ def legend(figure: Figure, axes: Iterable[Panels]) -> None:
             columnspacing=1.2,
             handlelength=2.4,
         )
+        # Dots that are small because there are many of them are seen as one of them, too.
+        for mark in drawn.legend_handles:
+            if isinstance(mark, Line2D) and mark.get_markersize() < _MARK:
+                mark.set_markersize(_MARK)
 
 
 def _columns(labels: Iterable[str]) -> int:

@@ -55,3 +55,15 @@ def test_positions_are_averaged_once(monkeypatch):
         shipid.find_model("de-keizer"), "soesterberg", zigzag, sampling="1 s", noise={"x": "8 m", "y": "8 m"}
     )
     assert "position fixes" in _drawn(trial) and len(calls) == 1
+
+
+def test_a_faint_mark_is_seen_in_the_legend_and_a_number_keeps_its_unit():
+    zigzag = Manoeuvre("zigzag", (np.radians(10.0), np.radians(10.0)))
+    trial = shipid.simulate(
+        shipid.find_model("de-keizer"), "soesterberg", zigzag, sampling="1 s", noise={"x": "8 m", "y": "8 m"}
+    )
+    drawing, note = track_drawing({"predicted": Comparison(trial, {}, {}, shipid.measure(trial))})
+    (legend,) = drawing.figure().legends
+    marks = dict(zip([t.get_text() for t in legend.texts], legend.legend_handles))
+    assert marks["position fixes"].get_markersize() > 3
+    assert note.endswith("\u00a0s.")
