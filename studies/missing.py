@@ -252,7 +252,7 @@ def main() -> int:
             runs = 2 if options.short else options.runs
             # Times of a few runs scatter.
             results.append(
-                measure(case, runs, min(runs, 2 if options.short else 20), 2.5 if options.short else SLOWEST)
+                measure(case, runs, min(runs, 1 if options.short else 20), 2.5 if options.short else SLOWEST)
             )
             if not options.json:
                 show(results[-1])

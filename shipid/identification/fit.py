@@ -377,7 +377,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(f"  warning   {w}" for w in self.warnings if w.kind in FIRST),
+                *(f"  {'warning' if w.serious else 'note':9s} {w}" for w in self.warnings if w.kind in FIRST),
                 *coefficient_lines(self.parameters),
                 *(f"  note      {w}" for w in self.warnings if w.kind in (MOSTLY_DISTURBED, ONE_SIDED)),
                 *dead_time_lines(self.model),

@@ -224,7 +224,9 @@ class Ranking(DrawnResult):
         lines += [f"  {sentence}" for sentence in self.words]
         if self.best:
             lines.append(f"  to take: {self.best}")
-        lines += [f"  {'beyond' if n.kind == BEYOND else 'warning'}: {n}" for n in self.warnings]
+        lines += [
+            f"  {'beyond' if n.kind == BEYOND else 'warning' if n.serious else 'note'}: {n}" for n in self.warnings
+        ]
         return "\n".join(lines)
 
     def _head(self, scores: bool = True) -> str:

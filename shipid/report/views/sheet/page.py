@@ -15,7 +15,7 @@ from shipid.foundation.numbers import fixed, given, number, uncertain
 from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
-from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.measures import Measures, measured
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
@@ -234,7 +234,7 @@ def _distance(circle: TurningCircle, name: str, length: float | None) -> str:
     value = getattr(circle, name) if still is None else still
     if value is None:
         return "not known" if circle.reason(name) else "not reached"
-    return number(value, 3) + (f" ({number(value / length, 3)} L)" if length else "")
+    return measured(value, "m") + (f" ({measured(value / length, '1')} L)" if length else "")
 
 
 def _quarter(name: str, value: float | None) -> str:
