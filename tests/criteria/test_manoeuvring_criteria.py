@@ -70,6 +70,10 @@ def test_a_width_is_not_decided_where_its_limit_lies_inside_its_band(spread, wit
     said = result.text().partition("spiral: unstable on a straight course")[2].partition("\n")[0]
     assert said.endswith("BEYOND" if within is False else "not decided: the limit lies inside the 95 % band")
     assert f"width 6.2 ({low:.1f} to {high:.1f}) deg" in said and said.replace("BEYOND", "beyond") in render(result)
+    # The first sentences of the page name it with the others.
+    answer = render(result).partition("Manoeuvring criteria</h2>")[0]
+    begun = "Beyond the limit: " if within is False else "Not decided: "
+    assert "width of the spiral loop" in answer.partition(begun)[2].partition(".")[0]
 
 
 def test_nothing_is_judged_in_shallow_water():

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from shipid.criteria.criteria import NOT_COVERED, OPEN, Criteria, Criterion, CriterionSide, spiral_words
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import brief, given, number
 from shipid.report.figures.comparisons import limits_drawing
@@ -35,13 +36,25 @@ def criteria_page(found: Criteria) -> Page:
 def _answer(found: Criteria) -> list[str]:
     """Which quantities are within their limits: the verdicts of the table in words."""
     said = []
+    loop = _loop(found.spiral)
     for verdict, words in ((False, "Beyond the limit"), (True, "Within the limit")):
         names = [row.meaning for row in found.rows if row.within is verdict and not row.extrapolated]
+        names += loop.get(verdict, [])
         said += [f"{words}: {'; '.join(names)}."] if names else []
         names = [row.meaning for row in found.rows if row.within is verdict and row.extrapolated]
         said += [f"{words} by extrapolation: {'; '.join(names)}."] if names else []
     open_ = [row.meaning for row in found.rows if row.within is None and row.limit is not None]
+    open_ += loop.get(None, [])
     return [*said, *([f"Not decided: {'; '.join(open_)}."] if open_ else [])] or ["No value is judged."]
+
+
+def _loop(spiral: Mapping[str, Plain] | None) -> dict[bool | None, list[str]]:
+    """The width of the loop by its verdict; nothing where it is not judged, or a stable ship has none."""
+    if spiral is None or (spiral["within"] is None and not spiral["words"]):
+        return {}
+    if spiral["within"] and spiral["loop_width"]["value"] == 0:
+        return {}
+    return {spiral["within"]: ["width of the spiral loop"]}
 
 
 def criteria_section(found: Criteria | str | None) -> Section | None:
