@@ -241,21 +241,32 @@ def test_a_report_is_printed(fit, criteria, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["fit.pdf"]
 
 
+def on_paper(folder, body):
+    """Print a body with the styles of a report: from its rows to the text of each sheet."""
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
+    styles = '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+    template = environment.from_string(styles + body)
+
+    def printed(rows):
+        (folder / "page.html").write_text(template.render(rows=rows), encoding="utf-8")
+        write_pdf(folder / "page.html", folder / "page.pdf")
+        return [p.extract_text() for p in pypdf.PdfReader(folder / "page.pdf").pages]
+
+    return printed
+
+
 def test_a_long_table_breaks_between_its_rows_and_a_short_one_stays_whole(tmp_path):
     if shutil.which("chromium") is None:
         pytest.skip("no Chromium on this machine")
-    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
-    template = environment.from_string(
-        '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+    printed_with = on_paper(
+        tmp_path,
         '{% from "macros.html" import table %}<div style="height: 200mm"></div><p>Above.</p>'
-        '{{ table([("Finding", "what"), ("Meaning", "words", "wide"), ("Repair", "words", "wide")], rows) }}'
+        '{{ table([("Finding", "what"), ("Meaning", "words", "wide"), ("Repair", "words", "wide")], rows) }}',
     )
     printed = {}
     for count in (4, 9):
         rows = [{"what": f"row{k}.", "words": " ".join(["Running text of a finding."] * 7)} for k in range(count)]
-        (tmp_path / "page.html").write_text(template.render(rows=rows), encoding="utf-8")
-        write_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
-        printed[count] = [p.extract_text() for p in pypdf.PdfReader(tmp_path / "page.pdf").pages]
+        printed[count] = printed_with(rows)
     assert "row0." not in printed[4][0] and "row3." in printed[4][1]
     first, second = printed[9]
     assert "row1." in first and "row8." in second
@@ -267,20 +278,17 @@ def test_a_table_of_coefficients_leaves_no_third_of_a_sheet_empty(tmp_path):
     """Six coefficients below what may be believed stood on the next sheet, with their heading."""
     if shutil.which("chromium") is None:
         pytest.skip("no Chromium on this machine")
-    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
-    template = environment.from_string(
-        '<!DOCTYPE html><title>t</title><style>{% include "report.css" %}{% include "paper.css" %}</style>'
+    printed_with = on_paper(
+        tmp_path,
         '{% from "macros.html" import body, head, scroll %}<div style="height: 175mm"></div><p>Above.</p>'
         '{% set columns = [("Name", "what"), ("Meaning", "words", "wide")] %}'
-        '{% call scroll("stack") %}{{ head(columns) }}{{ body(columns, rows, "Fitted") }}{% endcall %}'
+        '{% call scroll("stack") %}{{ head(columns) }}{{ body(columns, rows, "Fitted") }}{% endcall %}',
     )
     printed = {}
     for count in (4, 6):
         rows = [{"what": f"row{k}.", "words": " ".join(["Meaning of a coefficient."] * 28)} for k in range(count)]
         rows[-2]["remark"] = "It is not distinguishable from zero."
-        (tmp_path / "page.html").write_text(template.render(rows=rows), encoding="utf-8")
-        write_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
-        printed[count] = [p.extract_text() for p in pypdf.PdfReader(tmp_path / "page.pdf").pages]
+        printed[count] = printed_with(rows)
     assert "row0." not in printed[4][0] and "row3." in printed[4][1], "a short one stays whole"
     first, second = printed[6]
     assert "Fitted" in first and "row1." in first and "row4." in second and "row5." in second
