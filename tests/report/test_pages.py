@@ -274,6 +274,21 @@ def test_a_long_table_breaks_between_its_rows_and_a_short_one_stays_whole(tmp_pa
         assert "FindingMeaningRepair" in page.replace("\n", "").replace(" ", ""), "the head stands on both pages"
 
 
+def test_no_table_of_a_trial_sheet_is_split(pages, tmp_path):
+    """The limits of a day of many manoeuvres broke between their rows, as the findings of a log may."""
+    assert set(re.findall("<section[^>]*>", pages["sheet"])) == {'<section class="sheet">'}
+    if shutil.which("chromium") is None:
+        pytest.skip("no Chromium on this machine")
+    printed_with = on_paper(
+        tmp_path,
+        '{% from "macros.html" import table %}<section class="sheet"><div style="height: 160mm"></div><p>Above.</p>'
+        '{{ table([("Quantity", "what"), ("Verdict", "verdict"), ("Limit", "limit")], rows) }}</section>',
+    )
+    rows = [{"what": f"row{k}.", "verdict": "within", "limit": "5 L"} for k in range(20)]
+    first, second = printed_with(rows)
+    assert "row" not in first and all(f"row{k}." in second for k in range(20))
+
+
 def test_a_table_of_coefficients_leaves_no_third_of_a_sheet_empty(tmp_path):
     """Six coefficients below what may be believed stood on the next sheet, with their heading."""
     if shutil.which("chromium") is None:
