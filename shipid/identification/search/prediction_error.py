@@ -3,7 +3,7 @@
 Output error treats all residuals as sensor noise. Where wind, waves or effects that the model does not describe
 drive the states themselves, the likelihood of every sample given those before it is the right measure: it comes from the Kalman
 filter. Its exact gradient and expected information come with it (`shipid.estimation.records.likelihood`), and the
-search is Newton's with that information, in a trust region (Fisher scoring).
+search is Newton's with that information (Fisher scoring), damped as in Madsen, Nielsen and Tingleff (2004), section 3.2.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ _LASTING = 0.1
 _WIDE = 3.0
 #: Share of output error's residuals from which sensor noise and the noise of a state start.
 _SENSOR_SHARE = 0.3
+#: Smallest ratio of variances in one step: near none, residuals do not tell how small it is.
+_SMALLER = 0.03
 
 
 def record_of(data: TrialData, model_inputs: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, np.ndarray]:
@@ -227,8 +229,10 @@ class _Search:
         return begin
 
     def lasting(self, q: np.ndarray, least: float) -> tuple[str, ...]:
-        """The states whose gusts last for so many seconds."""
-        return tuple(n for n in self.driven if np.exp(-q[self.at(rate_of(n))]) >= least)
+        """The states whose gusts last for so many seconds; of one that is next to nothing no time is told."""
+        nothing = self.objective.unexpected(q, *self.objective(q)[1:]) > 0
+        there = [n for n in self.driven if not nothing[self.at(f"noise:{state_of(n)}")]]
+        return tuple(n for n in there if np.exp(-q[self.at(rate_of(n))]) >= least)
 
     def climbed(self, q: np.ndarray, tell: Callable[[str], None]) -> _Found:
         """The maximum from a start."""
@@ -302,6 +306,19 @@ class _Objective:
             for n in problem.biases
         ]
 
+        self.levels = slice(self.shared, self.common)
+
+    def unexpected(self, q: np.ndarray, gradient: np.ndarray, information: np.ndarray) -> np.ndarray:
+        """What curves the likelihood more than is expected, unknown by unknown: a level that is next to nothing.
+
+        There it falls with the variance, so that its second derivative by the logarithm is twice the first, while the expected one goes
+        with the square of the variance: steps with that alone jump to and fro across the maximum with the prior.
+        """
+        more, prior = np.zeros(q.size), 1 / _LEVEL_PRIOR**2
+        slope = gradient[self.levels] + prior * (q[self.levels] - self.first[self.levels])
+        more[self.levels] = np.maximum(-2 * slope - (np.diag(information)[self.levels] - prior), 0.0)
+        return more
+
     def places(self, index: int) -> np.ndarray:
         """Where the unknowns of one trial stand."""
         own = self.common + index * self.biases
@@ -336,32 +353,46 @@ def _newton(
     low, high = np.full(q.size, -np.inf), np.full(q.size, np.inf)
     low[: objective.shared], high[: objective.shared] = objective.box.low, objective.box.high
     value, gradient, information = objective(q)
-    damping, evaluations = 1e-3, 1
+    damping, harder, evaluations = 1e-3, 4.0, 1
     if not np.isfinite(value):
         return q, information, False, "the filter diverges at the estimate of output error.", evaluations
     while evaluations < most:
-        scale = np.maximum(np.diag(information), 1e-12)
+        curved = information + np.diag(objective.unexpected(q, gradient, information))
+        scale = np.maximum(np.diag(curved), 1e-12)
         # Unknowns at a bound that the gradient pushes further out stay there.
         held = ((q <= low) & (gradient < 0)) | ((q >= high) & (gradient > 0))
         free = np.flatnonzero(~held)
-        damped = information[np.ix_(free, free)] + damping * np.diag(scale[free])
+        damped = curved[np.ix_(free, free)] + damping * np.diag(scale[free])
         step = np.zeros(q.size)
         step[free] = np.linalg.solve(damped, gradient[free])
+        promised = float(gradient[free] @ step[free])
+        step[objective.levels] = _in_variance(step[objective.levels])
         trial = np.clip(q + step, low, high)
         new = objective(trial)
         evaluations += 1
         gain = new[0] - value
         if np.isfinite(new[0]) and gain >= 0:
             q, (value, gradient, information) = trial, new
-            damping = max(damping / 5, 1e-9)
+            # The more of what was promised comes, the less is damped.
+            kept = 2 * gain / max(promised, 1e-300)
+            damping, harder = max(damping * min(max(0.2, 1 - (2 * kept - 1) ** 3), 3.0), 1e-6), 4.0
             tell(f"prediction error: log-likelihood {brief(value, 6)}")
             # The remaining gain, by the quadratic model, is a small part of one sample's.
-            if gain < 1e-6 * max(1.0, abs(value)) and float(gradient[free] @ step[free]) < 1e-2:
+            if gain < 1e-6 * max(1.0, abs(value)) and promised < 1e-2:
                 return q, information, True, "the likelihood is at its maximum.", evaluations
         else:
-            damping *= 10
+            damping, harder = damping * harder, 2 * harder
             if damping > 1e8:
-                small = float(gradient[free] @ step[free]) < 1e-2
+                small = promised < 1e-2
                 message = "the likelihood is at its maximum." if small else "no step increases the likelihood."
                 return q, information, small, message, evaluations
     return q, information, False, f"not at its maximum after {most} passes.", evaluations
+
+
+def _in_variance(step: np.ndarray) -> np.ndarray:
+    """Steps of logarithms of standard deviations, made in the variance, in which a likelihood asks for them.
+
+    Squares of residuals tell how many times too small or too large a variance is: 1 + 2 s for a step s. Along the logarithm, that of a
+    variance a hundred times too small would go twenty times too far, and that of one a hundred times too large a fifth of the way.
+    """
+    return 0.5 * np.log(np.maximum(1 + 2 * step, _SMALLER))

@@ -105,3 +105,14 @@ def test_the_purpose_leads_to_it_and_the_result_says_so():
     level = result["filter_noise"]["process"]["r"]
     assert level["unit"] == "rad/s/s^0.5" and level["value"] == pytest.approx(NOISE["r"], rel=0.3)
     assert "drives r" in fit.text()
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_noise_that_is_not_there_does_not_hold_the_search_up(seed):
+    """Nothing drives this ship: 39 and 60 passes went to and fro over levels of next to nothing, and far beyond those of the sensors."""
+    noise = "psi=0.2 deg,r=0.02 deg/s,u=0.05 m/s,v=0.05 m/s"
+    trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:20/20", sampling=1.0, noise=noise, seed=seed)
+    fit = identify("de-keizer", [trial], ship="soesterberg", starts=1, purpose="filter")
+    levels = fit.identified.solution.levels
+    assert levels.converged and levels.evaluations <= 25
+    assert levels.sensors["psi"] == pytest.approx(np.deg2rad(0.2), rel=0.1)
