@@ -395,4 +395,4 @@ def _in_variance(step: np.ndarray) -> np.ndarray:
     Squares of residuals tell how many times too small or too large a variance is: 1 + 2 s for a step s. Along the logarithm, that of a
     variance a hundred times too small would go twenty times too far, and that of one a hundred times too large a fifth of the way.
     """
-    return 0.5 * np.log(np.maximum(1 + 2 * step, _SMALLER))
+    return np.asarray(0.5 * np.log(np.maximum(1 + 2 * step, _SMALLER)))
