@@ -54,7 +54,7 @@ def sentence(text: str) -> str:
 
 
 def past_north(degrees: np.ndarray) -> str:
-    """Say how a heading is drawn that turns through north, as a table has it in compass degrees; empty where none does.
+    """Return how a heading is drawn that turns through north, which a table has in compass degrees; empty where none does.
 
     Parameters
     ----------
