@@ -155,11 +155,12 @@ def _sets(
     if count <= 0:
         return [], "No bands were requested."
     if fit is not None:
-        drawn = draws_of(
-            fit.identified, count, errors=fit.lacks.errors if fit.lacks is not None and fit.lacks.steering else None
-        )
+        errors = fit.lacks.errors if fit.lacks is not None and fit.lacks.steering else None
+        drawn = draws_of(fit.identified, count, errors=errors)
         sets = [{**known, **dict(zip(drawn.names, row.tolist()))} for row in drawn.values]
-        return sets, "Bands: 95 %, from the covariance of the identified coefficients."
+        # The bands of a predicted overshoot, in the same report, hold that as well, and are wider.
+        without = "" if errors is not None else "; what the structure of the model is wrong by is not in them"
+        return sets, f"Bands: 95 %, from the covariance of the identified coefficients{without}."
     drawn_set = draw_coefficients(model, ship, count)
     if not drawn_set.names:
         return [], f"No bands: {drawn_set.source}."

@@ -359,7 +359,7 @@ def test_which_of_two_ships_sails(call, refused, tmp_path):
     assert np.isfinite(table.to_numpy()).all()
     assert table["probability_own [1]"].iloc[-1] == pytest.approx(result["modes"]["own"]["probability"])
     page = (out / "report.html").read_text()
-    assert "which ship sails" in page and "Log-likelihood alone" in page
+    assert "which ship sails" in page and "Log-likelihood alone: of the filter of this ship by itself" in page
     refused(2, ["filter", TRIAL, *both[:4], "--method", "imm"], "two or more")
     refused(2, ["filter", TRIAL, *both[:6]], "--method imm")
     refused(2, ["filter", TRIAL, *both, "--estimate", "K"], "--estimate")

@@ -14,6 +14,7 @@ import shipid
 from shipid.estimation.records.observability import observability
 from shipid.foundation.notices import Notice
 from shipid.report.figures.trials import Curve, Panel, histories_drawing
+from shipid.report.views.words import past_north
 from shipid.report.write_report import render
 
 TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
@@ -131,3 +132,62 @@ def test_what_comes_from_the_record_is_said_with_its_doubt(run):
     words = render(dataclasses.replace(run, design=design, learnt=("sensor:psi",), added={"delta": (0.01, doubt)}))
     assert words.count("found from the record") == 1
     assert "0.00 ± 0.57" in words and "Not distinguishable from zero: its 95 % interval" in words
+
+
+def test_a_moving_mean_is_named_as_one(run):
+    """The legend said "estimate" of the normalised innovations squared."""
+    page = render(run)
+    figure = page[page.index("Normalised innovations squared") :]
+    words = re.findall(r"<text[^>]*>([^<]*)</text>", figure[: figure.index("</svg>")])
+    assert "moving mean" in words and "estimate" not in words
+
+
+def test_the_last_estimates_are_one_sentence(run, read_page):
+    """Where each parameter had a sentence of its own, one called "a" read as an article."""
+    text = read_page(render(run)).text
+    lead = text[: text.index("Parameters")]
+    assert re.search(r"Estimates at the end: K = [\d.]+ ± [\d.]+ 1/s; tau = [\d.]+ ± [\d.]+ s\.", lead)
+
+
+def test_a_heading_on_a_figure_and_in_the_table_are_one(run, read_page):
+    """316.9 deg stood in the table beside a line that ends at -43."""
+    last = np.degrees(run["psi"])
+    assert last.min() < 0
+    low = round(float(last.min()))
+    assert (
+        f"The heading is drawn without a jump at north: −{-low} deg is {low % 360} deg." in read_page(render(run)).text
+    )
+    assert past_north(np.array([-0.2, 359.4])) == "" == past_north(np.array([np.nan]))
+    assert past_north(np.array([10.0, 371.0])).endswith(" 371 deg is 11 deg.")
+
+
+def test_a_band_that_widens_and_narrows_is_seen_whole():
+    """Half of a band lay out of the panel: it was drawn up to its median."""
+    t = np.linspace(0.0, 1.0, 400)
+    std = 1.0 + 0.4 * np.sin(9 * t)
+    line = 0.05 * np.sin(5 * t)
+    panel = Panel(
+        "Current", "m/s", [Curve("estimate", t, line), *(Curve("95 % band", t, line + s * std) for s in (-1, 1))]
+    )
+    low, high = histories_drawing([panel], "Band").figure().axes[0].get_ylim()
+    assert low < (line - std).min() and high > (line + std).max()
+    # One that begins a thousand times as wide does not flatten the rest.
+    wide = np.where(t < 0.3, 1000.0, std)
+    panel = Panel(
+        "Current", "m/s", [Curve("estimate", t, line), *(Curve("95 % band", t, line + s * wide) for s in (-1, 1))]
+    )
+    low, high = histories_drawing([panel], "Band").figure().axes[0].get_ylim()
+    assert high - low < 5
+
+
+def test_a_recursion_has_no_column_without_numbers_and_its_settling_flattens_nothing(read_page):
+    found = shipid.identify_recursively("yaw-filter", shipid.read_trial(TRIAL), ship="soesterberg", method="rls")
+    page = read_page(render(found))
+    assert "band that holds 95 % of such means" not in page.text and "NIS" in page.text
+    axes = shipid.plot(found).axes
+    for ax in axes:
+        name = ax.get_title(loc="left")
+        if name in found.parameters:
+            low, high = ax.get_ylim()
+            settled = found[name][int(0.25 * found.t.size) :]
+            assert high - low < 4 * np.ptp(settled), name

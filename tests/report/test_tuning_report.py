@@ -183,3 +183,18 @@ def test_gains_read_the_same_on_the_terminal_and_on_the_page():
     rows = [line.split() for line in pilot.text().splitlines()[2:5]]
     assert [row[0] for row in rows] == ["8.00", "9.00", "10.00"]
     assert [cell for row in rows for cell in row if f">{cell}<" not in page] == []
+
+
+def test_the_worst_overshoot_is_not_the_largest_and_the_page_says_why(pages, judged, read_page):
+    """The course changes hold larger ones: the table of weak points seemed to contradict them."""
+    largest = max(s.overshoot_deg for s in judged.steps if s.change_deg)
+    worst = max((p for p in judged.points() if p.what == "overshoot"), key=lambda p: 1 / p.share)
+    assert worst.value < largest
+    text = read_page(pages["judged"]).text
+    assert "An overshoot may be 10 % of its course change, and 1 deg in any case" in text
+    strict = dataclasses.replace(judged, limits={**judged.limits, "overshoot": 0.05})
+    assert "An overshoot may be 5 % of its course change" in read_page(render(strict)).text
+
+
+def test_a_gain_has_its_power_of_ten_as_any_other_axis(pages):
+    assert "[10⁻³ 1/s]" in pages["judged"] and "1/1000" not in pages["judged"]

@@ -142,6 +142,8 @@ def test_directions_and_whiteness_are_said_in_words(fit, text, read_page):
     page = read_page(text)
     assert "There is no such direction: every" in page.text
     assert "Chi-square" in page.text and "Correlation time" in page.text
+    # Beside the residuals of a trial that was not fitted, which are not.
+    assert "The residuals of every signal of the fitted trials are white" in page.text
     blind = shipid.identify(
         "de-keizer",
         [dataclasses.replace(fit.fitted[0].trial)],

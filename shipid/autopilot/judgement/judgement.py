@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 #: The course change that every draw of the ship makes, and those whose histories are kept, in degrees.
 SAMPLE_CHANGE, SHOWN_CHANGES = 60.0, (10.0, 60.0, 120.0)
 
-#: Overshoots of less than this many degrees do not count as weak.
-_LEAST_OVERSHOOT = 1.0
+#: Overshoots of less than this many degrees do not count as weak: the limit of one is at least this.
+LEAST_OVERSHOOT = 1.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -184,7 +184,7 @@ class Judgement(DrawnResult):
         changes = [s for s in self.steps if s.change_deg]
         for s in changes:
             where = f"in a course change of {brief(abs(s.change_deg), 3)} deg at {brief(s.speed, 3)} m/s"
-            limit = max(self.limits["overshoot"] * abs(s.change_deg), _LEAST_OVERSHOOT)
+            limit = max(self.limits["overshoot"] * abs(s.change_deg), LEAST_OVERSHOOT)
             if s.lost or s.overshoot_deg is None:
                 found.append(Weakest("course change", where.removeprefix("in a course change "), 0.0, 1.0, "", 0.0))
             elif s.overshoot_deg > 0:

@@ -88,13 +88,13 @@ class Observability(DrawnResult):
         for d in self.unobservable:
             if len(d.weights) == 1:
                 said.append(
-                    f"{next(iter(d.weights))} is not observable: no sensor shows it, and it keeps the error it starts with."
+                    f"{next(iter(d.weights))} is not observable: no sensor shows it, and no measurement makes its error smaller."
                 )
             else:
                 names = " and ".join([", ".join(list(d.weights)[:-1]), list(d.weights)[-1]])
                 said.append(
-                    f"{names} are not observable apart: no sensor shows the combination {d}, which keeps the error it starts "
-                    "with. Take one of them as known, or start from a consistent estimate."
+                    f"{names} are not observable apart: no sensor shows the combination {d}, whose error no "
+                    "measurement makes smaller. Take one of them as known, or start from a consistent estimate."
                 )
         return tuple(Notice(s, "not-observable") for s in said)
 

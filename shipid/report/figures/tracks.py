@@ -113,6 +113,20 @@ def _words(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 60 else f"{seconds / 60:.0f} min"
 
 
+def heading_along(track: PredictedTrack) -> np.ndarray:
+    """Return the heading along a track in degrees, continued where the ship turns through north.
+
+    She ends in compass degrees: what was ordered is read there.
+
+    Parameters
+    ----------
+    track : PredictedTrack
+        The track.
+    """
+    values = to_display(track.psi, "psi", "rad")
+    return np.asarray(values - 360 * np.floor(values[-1] / 360))
+
+
 def along_figure(track: PredictedTrack) -> Markup:
     """Return what the ship does along a predicted track, against time.
 
@@ -123,9 +137,6 @@ def along_figure(track: PredictedTrack) -> Markup:
     """
     panels = []
     for name, unit in _ALONG:
-        values = to_display(getattr(track, name), name, unit)
-        if name == "psi":
-            # Continued where the ship turns through north, so that she ends in compass degrees: what was ordered is read there.
-            values = values - 360 * np.floor(values[-1] / 360)
+        values = heading_along(track) if name == "psi" else to_display(getattr(track, name), name, unit)
         panels.append(Axes(label(name), pretty(display_unit(name, unit)), [Line("", track.t, values)]))
     return chart(panels, "Time since the order [s]", "along", "Heading, rate of turn, speed and rudder along the track")

@@ -36,6 +36,7 @@ _STYLES: dict[str, dict[str, Plain]] = {
     "predicted": {"color": ORANGE, "linestyle": (0, (4, 1.6)), "linewidth": 1.5},
     "measured beneath": {"color": BLUE, "linestyle": "-", "linewidth": 2.8, "alpha": 0.55},
     "estimate": {"color": ORANGE, "linestyle": "-", "linewidth": 1.0},
+    "moving mean": {"color": ORANGE, "linestyle": "-", "linewidth": 1.0},
     "95 % band": {"color": ORANGE, "linestyle": (0, (1, 1.5)), "linewidth": 1.0},
     "innovation": {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 2.0},
     "95 % bounds": {"color": MUTED, "linestyle": (0, (4, 1.6)), "linewidth": 1.0},
@@ -45,8 +46,8 @@ _STYLES: dict[str, dict[str, Plain]] = {
 }
 _POINTS = "innovation"
 _BOUNDS = ("95 % band", "95 % bounds")
-#: Innovations are shown up to so many times their bounds.
-_MOST_BOUNDS = 4.0
+#: Innovations are shown up to so many times their bounds, and a band up to so many times its usual width.
+_MOST_BOUNDS, _WIDEST_BAND = 4.0, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,11 +168,21 @@ def _range(panel: Panel) -> tuple[float, float]:
     lines = [_settled(c.y, panel.settling) for c in panel.curves if c.kind not in _BOUNDS]
     if not bounds:
         return axis_range(lines)
-    usual = np.array([np.nanmedian(_settled(c.y, panel.settling)) for c in bounds])
     first = lines[0]
     if panel.curves[0].kind == _POINTS:
+        usual = np.array([np.nanmedian(_settled(c.y, panel.settling)) for c in bounds])
         first = np.clip(first, _MOST_BOUNDS * usual.min(), _MOST_BOUNDS * usual.max())
-    return axis_range([np.concatenate([first, usual]), *lines[1:]])
+        return axis_range([np.concatenate([first, usual]), *lines[1:]])
+    return axis_range(
+        [np.concatenate([first, *(_near(first, _settled(c.y, panel.settling)) for c in bounds)]), *lines[1:]]
+    )
+
+
+def _near(line: np.ndarray, bound: np.ndarray) -> np.ndarray:
+    """A bound about a line as far as it sets the range: where a filter knows little for a while, it runs out of the panel."""
+    away = bound - line
+    most = _WIDEST_BAND * float(np.nanmedian(np.abs(away)))
+    return np.asarray(line + np.clip(away, -most, most))
 
 
 def _settled(y: np.ndarray, settling: float) -> np.ndarray:

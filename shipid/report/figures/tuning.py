@@ -18,7 +18,7 @@ from shipid.report.figures.charts import Axes, Line, chart, nyquist
 from shipid.report.typography.quantities import shown_field
 
 #: Unit of a gain in a figure, whose numbers have two decimals, and the factor to it.
-_GAIN_UNITS = {"Kp": ("", 1.0), "Kd": ("s", 1.0), "Ki": ("1/1000 s", 1000.0)}
+_GAIN_UNITS = {"Kp": ("", 1.0), "Kd": ("s", 1.0), "Ki": ("10⁻³ 1/s", 1000.0)}
 _HEADING, _RUDDER = shown_field("psi"), shown_field("delta")
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from importlib import metadata
 
+import numpy as np
 from markupsafe import Markup
 
 import shipid
 from shipid.declaration.units import pretty
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.notices import notice_of
+from shipid.foundation.numbers import fixed
 from shipid.report.typography.prose import prose
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six")
@@ -49,6 +51,22 @@ def sentence(text: str) -> str:
         Words.
     """
     return text[:1].upper() + text[1:]
+
+
+def past_north(degrees: np.ndarray) -> str:
+    """Return how a heading is drawn that turns through north, which a table has in compass degrees; empty where none does.
+
+    Parameters
+    ----------
+    degrees : ndarray
+        The heading as it is drawn.
+    """
+    there = degrees[np.isfinite(degrees)]
+    ends = [round(float(v)) for v in (there.min(), there.max())] if there.size else []
+    outside = next((v for v in ends if not 0 <= v < 360), None)
+    if outside is None:
+        return ""
+    return f" The heading is drawn without a jump at north: {fixed(outside, 0)} deg is {fixed(outside % 360, 0)} deg."
 
 
 def with_unit(text: str, unit: str) -> str:

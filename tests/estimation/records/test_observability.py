@@ -96,7 +96,7 @@ def test_a_state_that_nothing_shows(own: Any, swing: Any) -> None:
     kalman = ExtendedKalmanFilter(twins, own, measured={"gyro": None}, model_noise=False)
     told = observability(kalman.filter(record(swing)))
     assert sorted(next(iter(d.weights)) for d in told.unobservable) == ["drift", "psi"]
-    assert "psi is not observable: no sensor shows it, and it keeps the error it starts with." in told.messages
+    assert "psi is not observable: no sensor shows it, and no measurement makes its error smaller." in told.messages
 
 
 def test_what_a_short_record_hardly_shows_is_weak(own: Any, swing: Any) -> None:

@@ -18,8 +18,8 @@ from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
 from shipid.report.views.filter.innovations import innovation_panel, innovation_row
-from shipid.report.views.filter.parameters import parameters_section
-from shipid.report.views.words import boxes, sentence, versions_now, with_unit
+from shipid.report.views.filter.parameters import last_estimates, parameters_section
+from shipid.report.views.words import boxes, past_north, sentence, versions_now
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
@@ -73,7 +73,7 @@ def _answer(run: FilterRun) -> list[str]:
     said = [f"The {kind} of model {run.design.base.name} filtered {run.t.size} samples of {run.record}."]
     if run.innovations and all(_expected(i) for i in run.innovations.values()):
         said.append("The innovations are as large as the filter expects them, and white.")
-    return said + [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
+    return said + last_estimates(run)
 
 
 def _expected(i: Innovations) -> bool:
@@ -99,9 +99,9 @@ def _told(run: FilterRun) -> list[str]:
             and not i.nis_band[0] <= i.nis_mean <= i.nis_band[1]
         ):
             size, cause = (
-                ("larger", "its standard deviations are too small")
+                ("larger", "the standard deviations of the estimates are too small")
                 if i.nis_mean > 1
-                else ("smaller", "its noise levels are too large")
+                else ("smaller", "the noise levels are too large")
             )
             said.append(
                 f"The innovations of {name} are {size} than expected (mean square {i.nis_mean:.2f} times the variance): {cause}."
@@ -125,7 +125,9 @@ def _signals(run: FilterRun) -> Section:
         rows.append(
             {"name": name, "value": value, "unit": how.unit, "meaning": run.design.model[name].quantity.meaning}
         )
-    return Section("Filtered signals", "filter/signals.html", {"states": rows, "figures": _signal_figures(run)})
+    north = past_north(np.degrees(run["psi"])) if "psi" in run.states else ""
+    view = {"states": rows, "figures": _signal_figures(run), "north": north}
+    return Section("Filtered signals", "filter/signals.html", view)
 
 
 def _signal_figures(run: FilterRun) -> list[Markup]:
@@ -173,7 +175,7 @@ def _consistency_figure(run: FilterRun) -> Markup | None:
             continue
         sums = np.concatenate([[0.0], np.cumsum(squares)])
         mean, t = (sums[width:] - sums[:-width]) / width, i.t[i.taken][width - 1 :]
-        curves = [Curve("estimate", t, mean)]
+        curves = [Curve("moving mean", t, mean)]
         curves += [Curve("95 % bounds", t, np.full(t.size, chdtri(width, p) / width)) for p in (0.975, 0.025)]
         label = shown(run.design.model, name).label.lower()
         panels.append(Panel(f"NIS, {label}, mean of {width} samples", "1", curves))

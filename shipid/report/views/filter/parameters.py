@@ -14,10 +14,10 @@ from shipid.foundation.statistics import NORMAL_95
 from shipid.report.figures.trials import Curve, Panel, halves
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import named
-from shipid.report.views.words import standing_remark
+from shipid.report.views.words import standing_remark, with_unit
 
 #: Share of a record in which a filter settles: its bounds there would flatten the rest of a figure.
-SETTLING = 0.1
+SETTLING = 0.2
 
 
 class Estimating(Protocol):
@@ -42,6 +42,18 @@ class Estimating(Protocol):
         name : str
             Of the parameter.
         """
+
+
+def last_estimates(run: Estimating) -> list[str]:
+    """Return a sentence with the last estimates; none where no parameter is estimated.
+
+    Parameters
+    ----------
+    run : FilterRun or RecursiveIdentification
+        The run.
+    """
+    last = [f"{n} = {with_unit(uncertain(p.value, p.std), p.unit)}" for n, p in run.parameters.items()]
+    return [f"Estimates at the end: {'; '.join(last)}."] if last else []
 
 
 def parameters_section(run: Estimating, model: Model) -> Section | None:

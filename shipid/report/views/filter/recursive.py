@@ -6,15 +6,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shipid.foundation.numbers import fixed, moment, uncertain
+from shipid.foundation.numbers import fixed, moment
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
 from shipid.report.views.filter.innovations import innovation_panel, innovation_row
-from shipid.report.views.filter.parameters import parameters_section
-from shipid.report.views.words import sentence, versions_now, with_unit
+from shipid.report.views.filter.parameters import last_estimates, parameters_section
+from shipid.report.views.words import past_north, sentence, versions_now
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
 SECTIONS: list[Callable[[RecursiveIdentification], Section | None]] = [
@@ -36,7 +36,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     """
     design = run.design
     answer = [f"{sentence(design.method.line)}; {run.t.size} samples of {run.record}."]
-    answer += [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
+    answer += last_estimates(run)
     cautions = [*run.arranged.words, *(n for n in run.warnings if not n.serious)]
     return Page(
         f"Trial {run.record} identified recursively with model {design.model.name}",
@@ -54,8 +54,9 @@ def _signals(run: RecursiveIdentification) -> Section:
     there = run.arranged.there[run.arranged.shown, 0]
     curves = [Curve("measured beneath", run.t[there], measured[there]), Curve("estimate", run.t, run.y * how.factor)]
     title = "Measured and estimated signal"
+    north = past_north(run.y * how.factor) if run.design.output == "psi" else ""
     figures = halves([Panel(how.label, how.unit, curves)], "signals", title)
-    return Section("Filtered signals", "filter/signals.html", {"states": [], "figures": figures})
+    return Section("Filtered signals", "filter/signals.html", {"states": [], "figures": figures, "north": north})
 
 
 def _innovations(run: RecursiveIdentification) -> Section:

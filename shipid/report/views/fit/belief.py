@@ -157,7 +157,9 @@ def _white(fit: Fit) -> Iterator[Row]:
     coloured = {n: r for n, r in found.items() if not r.white}
     question = "Is anything left unexplained?"
     if not coloured:
-        yield _row(question, "no", "The residuals of every signal are white: what is left is noise.")
+        yield _row(
+            question, "no", "The residuals of every signal of the fitted trials are white: what is left there is noise."
+        )
         return
     parts = [
         f"{shown(fit.model, n).label.lower()} for {number(r.autocorrelation_time_s, 2)} s" for n, r in coloured.items()

@@ -6,9 +6,9 @@ import shipid
 from shipid.declaration.vocabulary import compass, label
 from shipid.foundation.numbers import fixed, number
 from shipid.prediction.prediction import Prediction
-from shipid.report.figures.tracks import along_figure, track_figure
+from shipid.report.figures.tracks import along_figure, heading_along, track_figure
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.words import sentence
+from shipid.report.views.words import past_north, sentence
 
 #: What is shown of a situation.
 _SHOWN = ("x", "y", "psi", "r", "u", "v", "delta", "current_north", "current_east", "wind_speed", "wind_direction")
@@ -39,7 +39,7 @@ def prediction_page(found: Prediction) -> Page:
         answer += [f"{sentence(line)}." for line in found.turn.words]
     if last.half_width is not None:
         reach = f"{fixed(last.half_width, 0)} m" if last.half_width >= 0.5 else "less than 1 m"
-        answer.append(f"The 95 % band reaches {reach} to each side there.")
+        answer.append(f"At the end of the track the 95 % band reaches {reach} to each side.")
     serious = [sentence(w) for w in found.warnings if w.serious]
     others = [sentence(w) for w in found.warnings if not w.serious]
     return Page(
@@ -66,6 +66,7 @@ def _plan(found: Prediction) -> Row:
     return {
         "figure": figure,
         "along": along_figure(track),
+        "north": past_north(heading_along(track)),
         "route": turn is not None,
         "chart": None if chart is None else chart.name,
     }

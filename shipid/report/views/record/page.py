@@ -12,16 +12,16 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS, display_factor, display_unit
 from shipid.estimation.multiple.multiple_run import MultipleModelRun
 from shipid.estimation.records.smoother import Smoothed
-from shipid.foundation.numbers import moment
+from shipid.foundation.numbers import fixed, moment
 from shipid.foundation.statistics import NORMAL_95
 from shipid.prediction.sailing.voyage import Voyage
 from shipid.prediction.tracks.predicted_track import PredictedTrack
-from shipid.report.figures.tracks import along_figure, track_figure
+from shipid.report.figures.tracks import along_figure, heading_along, track_figure
 from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import Shown, shown, shown_field
 from shipid.report.views.record.plan import plan_figure
-from shipid.report.views.words import listed, sentence, versions_now
+from shipid.report.views.words import listed, past_north, sentence, versions_now
 from shipid.trials.measuring.track import track
 from shipid.trials.trial import Trial
 
@@ -49,7 +49,7 @@ def trial_page(trial: Trial) -> Page:
     return _page(
         f"Trial {trial.name}",
         _lines(trial.text()),
-        _signals(_panels(trial), "As simulated." if trial.source.simulated else "As recorded."),
+        _signals(_panels(trial), f"As {'simulated' if trial.source.simulated else 'recorded'}.{_north(trial)}"),
         {} if found is None else {found[2]: found[:2]},
     )
 
@@ -64,7 +64,9 @@ def voyage_page(voyage: Voyage) -> Page:
     """
     trial, planned = voyage.trial, voyage.plan.line
     lines = {"track": (trial["x"], trial["y"]), "plan": (planned[:, 0], planned[:, 1])}
-    return _page(f"Voyage {trial.name}", _lines(voyage.text()), _signals(_panels(trial), "As simulated."), lines)
+    return _page(
+        f"Voyage {trial.name}", _lines(voyage.text()), _signals(_panels(trial), f"As simulated.{_north(trial)}"), lines
+    )
 
 
 def track_page(found: PredictedTrack) -> Page:
@@ -75,9 +77,18 @@ def track_page(found: PredictedTrack) -> Page:
     found : PredictedTrack
         The track.
     """
-    view = {"figure": track_figure(found, "track"), "along": along_figure(found), "route": False, "chart": None}
+    view = {
+        "figure": track_figure(found, "track"),
+        "along": along_figure(found),
+        "north": past_north(heading_along(found)),
+        "route": False,
+        "chart": None,
+    }
     section = Section("Track", "prediction/plan.html", view)
-    return Page("Predicted track", [("", _lines(found.text()))], [section], footer=f"shipid {shipid.__version__}")
+    words = _lines(found.text())
+    if found.half_width is None:
+        words.append("No band: no spread was asked for.")
+    return Page("Predicted track", [("", words)], [section], footer=f"shipid {shipid.__version__}")
 
 
 def smoothed_page(found: Smoothed) -> Page:
@@ -98,7 +109,11 @@ def smoothed_page(found: Smoothed) -> Page:
             f"{found.t.size} samples, {moment(found.t[0])} to {moment(found.t[-1])} s, smoothed with model "
             f"{design.base.name}: each estimate uses the whole record."
         ],
-        _signals(panels, "Every estimate uses the whole record; dotted: 95 % band."),
+        _signals(
+            panels,
+            "Every estimate uses the whole record; dotted: 95 % band."
+            + (past_north(np.degrees(found["psi"])) if "psi" in names else ""),
+        ),
         _positions(found, design.model.states),
     )
 
@@ -123,7 +138,7 @@ def multiple_page(run: MultipleModelRun) -> Page:
         f"{run.record}, by several models",
         [
             f"{run.t.size} samples, {moment(run.t[0])} to {moment(run.t[-1])} s, by a multiple-model filter of {len(run.modes)} modes. "
-            f"Most probable at the end: {run.most_probable[-1]}."
+            f"Most probable at the end: {run.most_probable[-1]}, with a probability of {fixed(run.probabilities[-1].max(), 2)}."
         ],
         _signals(states, "Combined estimates; dotted: 95 % band."),
         _positions(run, run.states),
@@ -176,6 +191,10 @@ def _panels(trial: Trial) -> list[Panel]:
         # After what is drawn in any case, so that it is drawn too.
         panels.insert(min(len(panels), _MOST - 1), Panel(how.label, how.unit, rudder))
     return panels
+
+
+def _north(trial: Trial) -> str:
+    return past_north(np.degrees(trial["psi"])) if trial.has("psi") else ""
 
 
 def _in_order(names: Iterable[str]) -> list[str]:

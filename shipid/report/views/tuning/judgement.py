@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from markupsafe import Markup
 
 from shipid.autopilot.course_changes.course_changes import CourseChange
-from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement, Weakest
+from shipid.autopilot.judgement.judgement import LEAST_OVERSHOOT, SAMPLE_CHANGE, Judgement, Weakest
 from shipid.autopilot.judgement.margins import Margins
-from shipid.foundation.numbers import fixed, given, number
+from shipid.foundation.numbers import fixed, given, number, percent
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown_field
 from shipid.report.views.words import sentence
@@ -45,7 +45,14 @@ def points_section(judged: Judgement) -> Section:
         }
         for w in sorted(worst.values(), key=lambda w: w.share)
     ]
-    return Section("Weak points", "tuning/points.html", {"points": rows})
+    # The table of the course changes holds larger ones: a reader would take one of those for the worst.
+    overshoot = (
+        f" An overshoot may be {percent(judged.limits['overshoot'])} of its course change, and {given(LEAST_OVERSHOOT)} deg in any "
+        "case: the one nearest to its limit stands here, not the largest."
+        if any(r["what"] == "Overshoot" for r in rows)
+        else ""
+    )
+    return Section("Weak points", "tuning/points.html", {"points": rows, "overshoot": overshoot})
 
 
 def margins_section(judged: Judgement, figures: Mapping[str, Markup]) -> Section:

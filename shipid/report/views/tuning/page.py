@@ -174,7 +174,7 @@ def _poles(poles: np.ndarray) -> str:
         if abs(p.imag) <= 1e-9 * abs(p):
             words.append(number(p.real, 3))
         elif p.imag > 0:
-            words.append(f"ω {number(abs(p), 3)}, ζ {fixed(-p.real / abs(p), 2)}")
+            words.append(f"ω\u00a0{number(abs(p), 3)}, ζ\u00a0{fixed(-p.real / abs(p), 2)}")
     return "; ".join(words)
 
 
