@@ -132,3 +132,9 @@ def test_the_last_sheet_holds_more_than_the_footer(sheets):
     printed = sheets(body)
     for k in range(12):
         assert [f"end {k}." in text for text in printed] == [f"row {k}." in text for text in printed]
+
+
+def test_what_the_numbers_mean_is_a_list_on_paper():
+    view = {"manoeuvres": [], "meanings": ["Advance: along the course", "Advance in still water: the same"]}
+    text = page_of('{% include "sheet/manoeuvres.html" %}', view=view)
+    assert text.count("<li>") == 2 and "<li>Advance: along the course.</li>" in text
