@@ -209,9 +209,9 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     if steady_speed is not None and approach and not over_ground:
         found["speed_loss"] = 1 - steady_speed / approach
     if steady_speed is not None and rate:
-        before = pi / (quarters[2] - quarters[0]) if quarters[0] and quarters[2] else 0.0
-        if rate < _SLOWER * before:
-            why = f"at the end the ship turned at {angle(rate, 3)}/s, less than half of the {angle(before, 3)}/s before: no steady turn"
+        earlier = pi / (quarters[2] - quarters[0]) if quarters[0] and quarters[2] else 0.0
+        if rate < _SLOWER * earlier:
+            why = f"at the end the ship turned at {angle(rate, 3)}/s, less than half of the {angle(earlier, 3)}/s before: no steady turn"
             reasons |= {name: why for name in _STEADY_TURN if found.pop(name, None) is not None}
         else:
             found["steady_diameter"] = 2 * steady_speed / rate

@@ -132,10 +132,11 @@ def _form_row(entry: FormEntry) -> Row:
 
 def _limit_rows(criteria: Iterable[MeasuredCriterion]) -> list[Row]:
     """A row each; what holds for several quantities of a manoeuvre is said below the first of them."""
-    rows, said = [], set()
+    rows: list[Row] = []
+    said: set[tuple[int, str]] = set()
     for one in criteria:
         told = (one.manoeuvre, one.words) in said
-        rows.append(_limit_row(one) | ({"remark": ""} if told else {}))
+        rows.append({**_limit_row(one), **({"remark": ""} if told else {})})
         said.add((one.manoeuvre, one.words))
     return rows
 
