@@ -128,7 +128,9 @@ def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
     assert pages["check"].count("<svg") == 2 and "0 rows read" not in pages["check"]
     assert "The model to take is" in read_page(pages["ranking"]).text
     assert "0.100 ± 0.010" in read_page(pages["ranking"]).text, "the decimals of the terminal"
-    assert re.search(r"the standard deviation of K is [\d.]+ times (smaller|larger)", read_page(pages["plan"]).text)
+    assert re.search(
+        r"the standard deviation of coefficient K is [\d.]+ times (smaller|larger)", read_page(pages["plan"]).text
+    )
     # At the helm an order is a line, on a phone too; a condition has a column where there is one.
     orders = pages["plan"][pages["plan"].index(">At [min:s]<") - 200 :]
     assert '<table class="stack' not in orders[:220]

@@ -59,3 +59,9 @@ def test_a_course_is_shown_within_the_circle_and_only_of_what_moves(away):
     # A course of north goes to and fro across it.
     assert np.nanmax(np.abs(np.diff(shown))) < 180 and 0 <= np.nanmedian(shown) < 360
     assert np.isnan(shown).sum() == np.sum(one.speed <= 0.5)
+
+
+def test_what_follows_a_plus_or_minus_is_said(away, read_page):
+    """A standard deviation beside a 95 % interval, and neither named; the interval was of the distance, without a word."""
+    text = read_page(render(away)).text
+    assert "standard deviations after ±" in text and "CPA 95 % [m]" in text

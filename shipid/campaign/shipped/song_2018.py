@@ -221,7 +221,7 @@ def runs_of(case: Case, methods: Sequence[str] = METHODS) -> Mapping[str, Measur
     for method in methods:
         what = f"{method.replace('_', ' ')}, {case.name}"
         found[f"entries_{method}"] = Measure("count", "1", f"periods in a domain: {what}")
-        found[f"entered_{method}"] = Measure("event", "1", f"whether a domain was entered: {what}")
+        found[f"entered_{method}"] = Measure("event", "1", f"share of runs that entered a domain: {what}")
         found[f"periods_{method}"] = Measure("value", "1", f"periods to the goal: {what}")
         found[f"turned_{method}"] = Measure("value", "rad", f"changes of heading: {what}")
     return found

@@ -20,7 +20,7 @@ _READINGS = ("order", "moved")
 @click.option("--manoeuvre", metavar="N", type=click.IntRange(1), help="Which one, of a log that holds several.")
 @click.option(
     "--execute", type=click.Choice(_READINGS), default="order", show_default=True,
-    help="The order, read back from the ramp of the rudder where it is not logged; or the rudder off its plate by 15 %.",
+    help="The order, read back from the ramp of the rudder where it is not logged; or the rudder 15 % off the angle it held.",
 )  # fmt: skip
 @click.option("--length", type=NumberWithUnit("m"), help="Ship length, as in '320 m', for the ratios to it.")
 @delivered()

@@ -166,7 +166,7 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
         left = f" (the first {_FIRST} of {len(values)})" if len(values) > _FIRST else ""
         yield f"overshoots {listed or 'none'} deg{left}; period {told('period')}"
     elif "loop_width" in shown:
-        why = measures.reasons.get("loop_width")
+        why = measures.reasons.get("loop_width") or getattr(measures, "no_loop", "")
         yield f"loop width {told('loop_width')}, loop height {told('loop_height')}" + (f": {why}" if why else "")
     elif "residual_rate" in shown:
         yield f"residual rate of turn {told('residual_rate')}"

@@ -147,7 +147,7 @@ class Tracking(DrawnResult):
             ends = "relative to own ship" if self.relative else f"from {self.plots.frame}"
             what = "positions and speeds" if self.relative else "positions in m,"
             lines.append(f"  {what} {ends}, at the end of each track")
-            heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "± [m/s]", "course [deg]", "CPA [m]", "95 % [m]", "TCPA [s]")  # fmt: skip
+            heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "± [m/s]", "course [deg]", "CPA [m]", "CPA 95 % [m]", "TCPA [s]")  # fmt: skip
             rows = [heads, *(self._row(one) for one in self.tracks)]
             widths = [max(len(r[i]) for r in rows) for i in range(len(heads))]
             lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(r, widths)) for r in rows]

@@ -110,7 +110,7 @@ def measure_pull_out(trial: Trial, execute: str | None, length: float | None, fa
 
 
 def _words(steering: Steering) -> str:
-    return "the order" if steering.logged else "the rudder coming off its plate"
+    return "the order" if steering.logged else "the rudder leaving the angle it held"
 
 
 def _slope(psi: Channel, start: float, end: float) -> float | None:

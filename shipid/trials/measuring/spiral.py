@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -72,6 +72,16 @@ class MeasuredSpiral(Measures):
     def title(self) -> str:
         """What the manoeuvre is called, such as ``direct spiral``."""
         return f"{self.method} spiral"
+
+    @property
+    def no_loop(self) -> str:
+        """Why what width and height say is no loop, in words; empty where it is one, or where they say nothing."""
+        largest = max((abs(rate) for rate in self.rates or () if rate is not None), default=0.0)
+        height = self.loop_height
+        if self.method != "direct" or height is None or not (height or self.loop_width) or height > _LOOP * largest:
+            return ""
+        low = f"its height is less than {100 * _LOOP:.0f} % of the largest rate of turn"
+        return f"no loop: {low}, as stages leave that are not quite settled"
 
 
 @dataclass(frozen=True)
@@ -161,7 +171,7 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
     reasons |= {} if height is not None else {"loop_height": why_height}
     if width and height and method == "direct" and height > _LOOP * largest:
         notes += _bracket(rudders, rates)
-    return MeasuredSpiral(
+    found = MeasuredSpiral(
         trial=trial.name,
         execute="order",
         read_from="",
@@ -173,8 +183,9 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
         loop_height=height,
         slope=slope,
         reasons=reasons,
-        notes=(*notes, *faults.notes(("psi", steering.channel.name))),
     )
+    notes += [found.no_loop] if found.no_loop else []
+    return replace(found, notes=(*notes, *faults.notes(("psi", steering.channel.name))))
 
 
 def _stages(trial: Trial, faults: Faults) -> tuple[str, list[_Stage]]:

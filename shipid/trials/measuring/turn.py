@@ -36,6 +36,9 @@ MOVED = np.radians(3.0)
 """In the reading "moved" the rudder of a turn counts as moved when it is this far from midships: that of the published circle."""
 
 _DISTANCES = ("advance", "transfer", "tactical_diameter")
+_STEADY_TURN = ("steady_rate", "steady_speed", "steady_drift", "speed_loss")
+_SLOWER = 0.5
+"""A ship that turns at the end by less than this share of the rate between 90 and 270 deg is in no steady turn."""
 _QUARTERS = (pi / 2, pi, 1.5 * pi, 2 * pi)
 _BRIDGED = 0.05
 """Holes up to this share of the turn's first 90 deg are bridged."""
@@ -206,7 +209,12 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     if steady_speed is not None and approach and not over_ground:
         found["speed_loss"] = 1 - steady_speed / approach
     if steady_speed is not None and rate:
-        found["steady_diameter"] = 2 * steady_speed / rate
+        earlier = pi / (quarters[2] - quarters[0]) if quarters[0] and quarters[2] else 0.0
+        if rate < _SLOWER * earlier:
+            why = f"at the end the ship turned at {angle(rate, 3)}/s, less than half of the {angle(earlier, 3)}/s before: no steady turn"
+            reasons |= {name: why for name in _STEADY_TURN if found.pop(name, None) is not None}
+        else:
+            found["steady_diameter"] = 2 * steady_speed / rate
     if length is not None:
         names = (*_DISTANCES, "steady_diameter", *(f"{n}_still_water" for n in _DISTANCES))
         found |= {f"{n}_ratio": value / length for n in names if (value := found.get(n)) is not None}

@@ -155,7 +155,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         held, executes = held[1:], executes[1:]
         if not executes:
             raise NotAManoeuvreError(
-                f"trial '{trial.name}' begins with the rudder on its way from its only plate, so the moment of the order is not in it. "
+                f"trial '{trial.name}' begins with the rudder on its way from the only angle it holds, so the moment of the order is not in it. "
                 "Widen the window to hold a stretch before the rudder moves."
             )
     when = [e.time for e in executes]
@@ -333,7 +333,7 @@ def _beginning(
     result: dict[str, Plain] = dict.fromkeys(names)
     if first is None:
         for name in names:
-            reasons[name] = "the record does not show the rudder setting out for its first plate"
+            reasons[name] = "the record does not show the rudder setting out for the first angle it holds"
         return result
     if first.hole is not None:
         for name in names:

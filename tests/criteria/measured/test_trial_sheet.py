@@ -253,3 +253,20 @@ def test_a_loop_that_is_not_known_says_why():
 def test_the_text_says_that_there_are_more_overshoots(sheet):
     several = sheet.manoeuvres[0].measures.overshoots
     assert len(several) > 4 and f"deg (the first 4 of {len(several)}); period" in sheet.text()
+
+
+def test_why_a_circle_decides_nothing_is_said_once_below_its_first_quantity(day):
+    """The same three lines stood below the advance and the tactical diameter of each of four circles."""
+    turned = day[2].table.assign(delta=day[2].table["delta"] / 2)
+    if "delta_order" in turned:
+        turned["delta_order"] /= 2
+    one = trial_sheet([dataclasses.replace(day[2], table=turned)], length=LENGTH)
+    undecided = [row for row in one.criteria if row.verdict == "not decided"]
+    assert len(undecided) == 2 and undecided[0].words == undecided[1].words
+    assert render(one).count("The standard turns with 35 deg of rudder") == 1
+
+
+def test_a_page_says_what_stands_after_plus_or_minus(sheet, day):
+    page = render(sheet)
+    assert "After ±: the 95 % uncertainty." in page and "± is the 95 % uncertainty." in page
+    assert "After ±" not in render(trial_sheet([day[2]], length=LENGTH)), "a circle has none"

@@ -147,3 +147,11 @@ def test_the_way_back_to_midships_is_no_stage():
     np.testing.assert_allclose(
         np.degrees(found.rudders), [0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], atol=0.01
     )
+
+
+def test_a_low_loop_of_stages_that_are_not_quite_settled_is_said_to_be_none():
+    """Width and height stood on the sheet of a stable ship without a word, beside a slope that says she is stable."""
+    found = measure(direct(hold=150.0))
+    assert 0 < np.degrees(found.loop_height) < 0.05 * steady(15)[0] and found.slope > 0
+    assert sum(note.startswith("no loop: its height is less than 5 %") for note in found.notes) == 1
+    assert not any("no loop" in note for note in measure(direct(b1=-0.08)).notes)

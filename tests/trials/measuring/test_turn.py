@@ -195,8 +195,9 @@ def test_a_propeller_that_stops_with_the_rudder_over_ends_the_steady_turn():
     frame["n [1/s]"] = np.where(t < stopped, 1.5, 0.0)
     driven = measure(Trial.from_frame(frame))
     assert driven.steady_rate == pytest.approx(rate, rel=1e-3)
-    # A log without the shaft speed cannot show it.
-    assert measure(Trial.from_frame(frame.drop(columns="n [1/s]"))).steady_rate < 0.5 * rate
+    # A log without the shaft speed does not show when, but that she turns no more as she did.
+    adrift = measure(Trial.from_frame(frame.drop(columns="n [1/s]")))
+    assert adrift.steady_rate is None and "no steady turn" in adrift.reasons["steady_rate"]
 
 
 @pytest.mark.parametrize("early", [0.0, 2.0, 5.0])
@@ -319,3 +320,25 @@ def test_a_track_to_the_other_side_gives_no_distances():
     frame = {"t [s]": t, "psi [rad]": psi, "delta [deg]": 35.0 * (t > 120), "x [m]": east, "y [m]": north}
     found = measure(Trial.from_frame(frame, name="turn"))
     assert found.advance is None and found.drift_speed is None and "to the other side" in found.reasons["transfer"]
+
+
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_a_ship_that_ends_its_turn_far_more_slowly_is_in_no_steady_turn(share):
+    """The wind straightens a model up on 35 deg of rudder: its steady diameter was four tactical diameters."""
+    t = np.arange(0.0, 1200.0, 0.5)
+    rate = np.where(t < 50, 0.0, np.where(t < 380, 1 / 60, share / 60))
+    psi = 0.5 * np.cumsum(rate)
+    frame = {"t [s]": t, "psi [rad]": psi, "u [m/s]": np.full(t.size, 5.0), "v [m/s]": 0.0 * t}
+    found = measure(Trial.from_frame(pd.DataFrame(frame | {"delta_order [deg]": 35.0 * (t >= 50)}), name="circle"))
+    known = share > 0.5
+    assert (
+        (found.steady_rate is not None)
+        == (found.steady_diameter is not None)
+        == (found.speed_loss is not None)
+        == known
+    )
+    assert found.tactical_diameter == pytest.approx(600, rel=0.02)
+    if known:
+        assert found.steady_diameter == pytest.approx(600 / share, rel=0.02)
+    else:
+        assert "less than half of the 0.9" in found.reasons["steady_rate"]

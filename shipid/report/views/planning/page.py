@@ -42,9 +42,9 @@ def _answer(plan: Plan) -> list[str]:
     said = [
         f"{sentence(count(len(plan.legs), 'manoeuvre'))} in {clock(plan.duration)}; {clock(plan.time)} are available (minutes and seconds)."
     ]
-    gains = [f"of {n} {_times(f.ratio)}" for n, f in plan.parameters.items() if f.ratio]
+    gains = [f"of coefficient {n} {_times(f.ratio)}" for n, f in plan.parameters.items() if f.ratio]
     if gains:
-        said.append(f"Beside the standard zig-zags the standard deviation {listed(gains)}.")
+        said.append(f"Compared with the standard zig-zags, the standard deviation {listed(gains)}.")
     lost = [n for n, f in plan.parameters.items() if f.std is None]
     if lost:
         said.append(f"Not determined by these trials: {', '.join(lost)}.")
@@ -141,6 +141,6 @@ def _grounds(plan: Plan) -> Section:
     view = {
         "noise": noise,
         "words": f"Chosen from {plan.candidates} candidates by {goal}, over {over if plan.draws else 'the coefficients as they are'}.",
-        "samples": f"A sample every {number(plan.sampling, 2)} s; one independent of the last every {number(plan.independent, 2)} s.",
+        "samples": f"A sample every {number(plan.sampling, 2)} s; noise that is independent after {number(plan.independent, 2)} s.",
     }
     return Section("What this rests on", "plan/grounds.html", view, folded=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import shipid
 from shipid.criteria.measured.form import FormEntry
@@ -27,7 +27,7 @@ _LIMITS = [
 ]  # fmt: skip
 #: What the figure of a manoeuvre shows, by the class of its measures.
 _CAPTIONS = {
-    "ZigZag": "Heading and rudder; each overshoot is marked. The tables count time from the beginning of the record.",
+    "ZigZag": "Heading and rudder; each overshoot is marked. The tables count time from the beginning of the record; ± is the 95 % uncertainty.",
     "TurningCircle": "The track of the circle, averaged as for its dimensions, with the ship's outline.",
     "MeasuredSpiral": "Steady rate of turn against rudder angle.",
     "PullOut": "Rate of turn after the rudder is put amidships.",
@@ -50,12 +50,15 @@ def sheet_page(sheet: TrialSheet) -> Page:
     name = sheet.conditions.shown("ship")
     sections = []
     if sheet.criteria:
-        rows = [_limit_row(row) for row in sheet.criteria]
-        sections.append(Section("Beside the limits", "sheet/limits.html", {"columns": _LIMITS, "rows": rows}))
+        rows = _limit_rows(sheet.criteria)
+        known = any(row.uncertainty is not None for row in sheet.criteria)
+        sections.append(
+            Section("Beside the limits", "sheet/limits.html", {"columns": _LIMITS, "rows": rows, "uncertain": known})
+        )
     if sheet.manoeuvres:
         shown = [_manoeuvre(m, sheet.length) for m in sheet.manoeuvres]
         meanings = {f"{r['name']}: {r['meaning']}" for m in sheet.manoeuvres for r in _single(m.measures)}
-        view = {"manoeuvres": shown, "meanings": sorted(meanings)}
+        view = {"manoeuvres": shown, "meanings": _in_order(meanings)}
         sections.append(Section("Manoeuvres", "sheet/manoeuvres.html", view))
     poster = _poster(sheet)
     if poster["rows"]:
@@ -85,7 +88,7 @@ def measures_page(measures: Measures) -> Page:
         The manoeuvre, as it was measured.
     """
     shown = _numbers(measures, measures.record, measures.title, None, "m1")
-    view = {"manoeuvres": [shown], "meanings": sorted(f"{r['name']}: {r['meaning']}" for r in _single(measures))}
+    view = {"manoeuvres": [shown], "meanings": _in_order(f"{r['name']}: {r['meaning']}" for r in _single(measures))}
     serious = [sentence(note) for note in map(notice_of, measures.notes) if note.serious]
     return Page(
         f"{sentence(measures.title)} in trial {measures.trial}",
@@ -94,6 +97,11 @@ def measures_page(measures: Measures) -> Page:
         warnings=serious,
         footer=f"shipid {shipid.__version__}",
     )
+
+
+def _in_order(meanings: Iterable[str]) -> list[str]:
+    """Meanings by the names of their quantities."""
+    return sorted(meanings, key=lambda words: words.partition(":")[0])
 
 
 def _answer(sheet: TrialSheet) -> Iterator[str]:
@@ -120,6 +128,17 @@ def _form_row(entry: FormEntry) -> Row:
     if entry.value is not None:
         value = given(float(f"{entry.value:.3g}")) + ("" if entry.unit == "1" else f" {pretty(entry.unit)}")
     return {"what": entry.label, "value": value, "asked": entry.asked, "met": entry.met}
+
+
+def _limit_rows(criteria: Iterable[MeasuredCriterion]) -> list[Row]:
+    """A row each; what holds for several quantities of a manoeuvre is said below the first of them."""
+    rows: list[Row] = []
+    said: set[tuple[int, str]] = set()
+    for one in criteria:
+        told = (one.manoeuvre, one.words) in said
+        rows.append({**_limit_row(one), **({"remark": ""} if told else {})})
+        said.add((one.manoeuvre, one.words))
+    return rows
 
 
 def _limit_row(row: MeasuredCriterion) -> Row:
@@ -234,7 +253,7 @@ def _distance(circle: TurningCircle, name: str, length: float | None) -> str:
     value = getattr(circle, name) if still is None else still
     if value is None:
         return "not known" if circle.reason(name) else "not reached"
-    return measured(value, "m") + (f" ({measured(value / length, '1')} L)" if length else "")
+    return measured(value, "m") + (f" ({number(value / length, 3)} L)" if length else "")
 
 
 def _quarter(name: str, value: float | None) -> str:

@@ -19,7 +19,7 @@ from shipid.report.views.words import count, sentence
 _TARGETS = [
     ("Target", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
     ("East [m]", "y", "n"), ("± [m]", "spread", "n"), ("Speed [m/s]", "speed", "n"), ("Course [deg]", "course", "n"),
-    ("CPA [m]", "cpa", "n"), ("95 % [m]", "between", "n"), ("TCPA [s]", "tcpa", "n"),
+    ("CPA [m]", "cpa", "n"), ("CPA 95 % [m]", "between", "n"), ("TCPA [s]", "tcpa", "n"),
 ]  # fmt: skip
 _JUDGED = [
     ("Ship", "name"), ("Scans visible", "visible", "n"), ("Held [%]", "held", "n"),

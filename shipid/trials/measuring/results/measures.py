@@ -100,7 +100,7 @@ class Measures(DrawnResult):
     execute: str
     read_from: str = words()
     rudder: float | None = quantity("rad", "rudder angle held, median")
-    rudder_rate: float | None = quantity("rad/s", "rate of the rudder between its plates, median")
+    rudder_rate: float | None = quantity("rad/s", "rate of the rudder on its way over, median")
     approach_speed: float | None = quantity("m/s", "speed at the first execute")
     first_execute: float | None = quantity("s", "time of the first execute")
     execute_within: float | None = quantity(

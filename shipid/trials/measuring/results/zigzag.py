@@ -62,7 +62,7 @@ times_to_check_yaw : tuple of float or None
         "rad", "95 % uncertainty of each: interval of the execute, scatter and sampling of the heading"
     )
     overshoots_moved: tuple[float | None, ...] | None = quantity(
-        "rad", "overshoot angle from where the rudder has left its plate by 15 %"
+        "rad", "overshoot angle from where the rudder is 15 % off the angle it held"
     )
     overshoots_set_out: tuple[float | None, ...] | None = quantity(
         "rad", "overshoot angle from where the rudder sets out, where that is after the logged order"

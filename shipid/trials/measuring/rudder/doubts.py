@@ -75,8 +75,8 @@ def at_end_of_range(steering: Steering, held: Sequence[Plate]) -> list[Notice]:
     if not all(stands[:-1] or stands):
         return []
     words = (
-        f"the rudder repeats {angle(size, 3)} exactly on its plates, and scatters by {angle(scatter, 2)} amidships: its sensor shows no "
-        "more, the plates lie beyond, and the orders are earlier than is read from its ramps"
+        f"the rudder repeats {angle(size, 3)} exactly while it is held, and scatters by {angle(scatter, 2)} amidships: its sensor shows "
+        "no more, the rudder goes further, and the orders are earlier than is read from its ramps"
     )
     return [Notice(words, "clipped", serious=True, channel=steering.channel.name)]
 

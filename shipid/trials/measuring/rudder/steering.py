@@ -71,7 +71,7 @@ class Steering:
     def words(self) -> str:
         """How the executes are read."""
         if self.reading == "moved":
-            return "the rudder leaving its plate by 15 %"
+            return "the rudder 15 % off the angle it held"
         if self.logged and self.on_change:
             return "the order, as logged, written when it changes"
         if self.logged:
@@ -84,7 +84,7 @@ class Steering:
                 f"the step of the rudder, recorded every {brief(self.channel.interval)} s (the middle of the interval of "
                 f"the step); {why}"
             )
-        return f"the ramp of the rudder ({angle(self.rate, 3)}/s), extended back to the plate it leaves; {why}"
+        return f"the ramp of the rudder ({angle(self.rate, 3)}/s), extended back to the angle it leaves; {why}"
 
     def after(self, plate: Plate) -> float:
         """Return when a plate ends: the rudder is half over to the other side, or the record ends [s].
@@ -187,7 +187,7 @@ def check_rudder(trial: Trial, execute: str | None) -> None:
         If the trial has no rudder.
     """
     if execute not in (None, *READINGS):
-        raise UsageError(f"execute is '{execute}'. Write 'moved' (the rudder has left its plate) or 'order'.")
+        raise UsageError(f"execute is '{execute}'. Write 'moved' (the rudder is off the angle it held) or 'order'.")
     if not trial.has("delta") and not _ordered(trial):
         raise UnknownColumnError(
             f"trial '{trial.name}' has no rudder angle, neither 'delta' nor 'delta_order': a manoeuvre cannot "

@@ -86,10 +86,10 @@ def _offset(p: WorkingCopy, name: str, inside: np.ndarray) -> None:
         side = "starboard" if offset > 0 else "port"
         p.add(
             "bias", name, robust.confidence_of(abs(offset) / limit, 1, 2.5),
-            f"the ship sails straight with {angle(abs(offset), 3)} of rudder to {side} (the plates are "
+            f"the ship sails straight with {angle(abs(offset), 3)} of rudder to {side} (it is held at "
             f"{angle(high, 3)}): wind, current, propeller, or an offset of the sensor",
             "Without a term for it port and starboard gains are averaged wrongly: overshoots are missed by about the "
-            "ratio of offset and plate.",
+            "ratio of the offset to the angle held.",
             "Estimate a rudder bias in each trial (the default of shipid identify).", at=inside, spoils=False,
         )  # fmt: skip
 
