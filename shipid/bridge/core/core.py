@@ -246,6 +246,8 @@ class BridgeCore:
         }
         if not isinstance(name, str) or name not in commands:
             raise UsageError(f"there is no such command; there are {', '.join(commands)}.")
+        if more := [k for k in rest if name not in ("trial", "simulation") and (name, k) != ("acknowledge", "id")]:
+            raise UsageError(f"'{name}' has no '{more[0][:40]}'.")
         commands[name](rest)
 
     def _try(self, rest: dict[str, Plain]) -> None:

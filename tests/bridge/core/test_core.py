@@ -173,7 +173,10 @@ def test_what_is_tried_stays_within_its_range(make_core, wanted, name, value):
         {"command": "acknowledge", "id": 77}, {"command": "simulation", "clock_factor": 1e9}, {"command": "simulation", "paused": 1},
         {"command": "simulation", "wind_speed": "strong"}, {"command": "simulation", "depth": 1.0},
         {"command": "simulation", "coefficient": "Q", "value": 1.0}, {"command": "simulation", "coefficient": "K"},
-        {"command": "simulation", "coefficient": [], "value": 1.0},
+        {"command": "simulation", "coefficient": [], "value": 1.0}, {"command": "trial", "heading": 10**400},
+        {"command": "trial", "rudder": -(10**400)}, {"command": "simulation", "wind_speed": 10**400},
+        {"command": "simulation", "coefficient": "K", "value": 10**400}, {"command": "simulation", "clock_factor": 10**400},
+        {"command": "execute", "heading": 1.0}, {"command": "cancel", "id": 1}, {"command": "acknowledge", "id": 1, "heading": 1.0},
     ],
 )  # fmt: skip
 def test_a_command_that_is_none_changes_nothing(make_core, message):
