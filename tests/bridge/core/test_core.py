@@ -399,6 +399,38 @@ def test_it_waits_for_what_the_filter_needs(scripted):
     assert core.own_ship.health == "well"
 
 
+class Stopping(Scripted):
+    """A ship that loses her way, and goes astern."""
+
+    begins, least = 9.0, -3.0
+
+    def take(self, t):
+        reading = super().take(t)
+        return SourceReading({**reading.values, "u": max(self.begins - 0.15 * t, self.least)})
+
+
+def test_a_ship_that_lies_still_has_no_way_ahead_yet(make_core):
+    source = Stopping()
+    source.begins = source.least = 0.0
+    core = make_core(source)
+    sail(core, 3)
+    assert shown(core)["adaptation"]["health"]["message"] == "waiting for the way ahead"
+
+
+def test_of_a_ship_that_goes_astern_no_old_place_on_the_route_is_shown(make_core):
+    """Nothing is predicted of her; her distance off the track and the time to the wheel-over were those of minutes ago."""
+    points = [(0.0, 0.0), (900.0, 0.0), (3000.0, 2000.0)]
+    route = bridge_route(route_through(points, radius=300.0), None, 300.0)
+    core = make_core(Stopping(), route=route, prediction_interval=10.0)
+    sail(core, 40)
+    told = shown(core)["route"]
+    assert told["off_track"] is not None and told["wheel_over"] is not None
+    sail(core, 60)
+    told = shown(core)
+    assert told["own"]["u"] is None and "makes none" in told["adaptation"]["health"]["message"]
+    assert told["route"]["off_track"] is None and told["route"]["wheel_over"] is None
+
+
 @pytest.fixture
 def routed(make_core, pilot):
     points = [(0.0, 0.0), (4000.0, 0.0), (7000.0, 3000.0)]
