@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -76,3 +78,16 @@ def test_a_ship_without_a_fix_is_nowhere_on_her_route(tmp_path, lacking):
         told = shown(opened.core)
     assert told["route"]["off_track"] is None and told["route"]["wheel_over"] is None
     assert [a["text"] for a in told["alarms"]] == ["sensor lost: position"] and "y" in told["own"]["estimated"]
+
+
+@pytest.mark.parametrize(("factor", "cycles"), [(1, 0), (1000, 1)])
+def test_a_schedule_whose_loop_cycles_is_told_before_the_page_opens_and_on_it(pilot, tmp_path, factor, cycles):
+    gains = {name: factor * values for name, values in pilot.schedule.gains.items()}
+    made = dataclasses.replace(pilot, schedule=dataclasses.replace(pilot.schedule, gains=gains))
+    shipid.write_schedule(made, tmp_path / "schedule.toml")
+    with open_bridge(BridgeSettings(schedule=str(tmp_path / "schedule.toml")), "127.0.0.1", 0) as opened:
+        told = shown(opened.core)
+        notes = [n for n in opened.notes if "the loop cycles" in n]
+    alarms = [a for a in told["alarms"] if "the loop cycles" in a["text"]]
+    assert len(notes) == len(alarms) == cycles and told["notes"] == notes
+    assert all(a["kind"] == "warning" for a in alarms)
