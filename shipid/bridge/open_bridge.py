@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -33,6 +33,8 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.replaced import with_values
 from shipid.prediction.charts.read_chart import read_chart
 from shipid.prediction.routes.read_route import read_route
+from shipid.prediction.routes.shared_origin import shared_origin
+from shipid.prediction.sailing.loop_cycles import loop_cycles
 
 #: Models that are preferred for a bridge, the best first: they have position, heading and speed.
 _PREFERRED = ("de-keizer", "cross-flow", "bech-slipstream", "bech-surge", "pershitz", "de-keizer-minimal")
@@ -59,7 +61,7 @@ class OpenedBridge:
     recording : Path or None
         The recording.
     notes : tuple of str or Notice
-        What was found out when the route and the chart were read.
+        What was found out when the route and the chart were read, and of the schedule.
     """
 
     core: BridgeCore
@@ -212,10 +214,15 @@ def open_bridge(
         if settings.record is not None:
             # What is replayed of a simulation stays one.
             simulated = parts.source.kind == "simulate" or getattr(parts.source, "simulated", False)
-            recorder = Recorder(settings.record, parts.pilot.ship.name, settings.source, simulated=simulated)
-        core = _core_of(settings, parts, recorder)
+            name = parts.pilot.ship.name
+            recorder = Recorder(settings.record, name, settings.source, simulated=simulated, origin=parts.origin)
+        # What a schedule does to the steering gear is seen once, before the page opens; one that is designed here is sound.
+        faults = [] if settings.schedule is None else loop_cycles(parts.pilot)
+        core = _core_of(settings, parts, recorder, faults)
         address = f"http://{reached_at(listener, host)}/" + ("" if token is None else f"?token={quote(token, safe='')}")
-        yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record, parts.notes)
+        yield OpenedBridge(
+            core, listener, address, token, parts.chart, parts.score, settings.record, (*parts.notes, *faults)
+        )
     finally:
         listener.close()
         if recorder is not None:
@@ -235,6 +242,7 @@ class _Parts:
     heading: float = 0.0
     rudder_limit: float = RUDDER_LIMIT
     notes: tuple[str, ...] = ()
+    origin: tuple[float, float] | None = None
 
 
 def _parts_of(settings: BridgeSettings, ended: Callable[[VoyageScore], None] | None) -> _Parts:
@@ -243,26 +251,29 @@ def _parts_of(settings: BridgeSettings, ended: Callable[[VoyageScore], None] | N
         return _experiment_of(settings, pilot, ended)
     if settings.condition is not None:
         raise UsageError("--condition belongs to a --scenario of the tracking experiment.")
-    route, origin = None, None
+    # A record has its place of x = y = 0 already; a route and every other source take that of the route.
+    replayed = source_of(settings, pilot) if settings.source.startswith("replay:") else None
+    read = None if settings.route is None else read_route(settings.route)
+    origin = shared_origin(read, replayed.trial if isinstance(replayed, ReplayedSource) else None)
+    route = None
     notes: list[str] = []
-    if settings.route is not None:
-        read = read_route(settings.route)
-        origin = read.origin
+    if read is not None:
         notes += [f"route: {n}" for n in read.notes]
         route = bridge_route(read, origin, RADIUS * pilot.length)
     chart: Plain = None
     if settings.chart is not None:
         if origin is None:
             raise UsageError(
-                "a chart needs the place of x = y = 0: give a --route with latitudes and longitudes beside it."
+                "a chart needs the place of x = y = 0: give a --route with latitudes and longitudes beside it, or replay a log whose "
+                "positions are such."
             )
         drawn = read_chart(settings.chart, origin)
         notes += [f"chart: {n}" for n in drawn.notes]
         chart = drawn.to_dict()
     begin = None if route is None else route.plan.legs[0]
-    source = source_of(settings, pilot, origin, begin)
+    source = replayed or source_of(settings, pilot, origin, begin)
     heading = begin.course if begin is not None and source.kind == "simulate" else 0.0
-    return _Parts(pilot, source, route, chart, heading=heading, notes=tuple(notes))
+    return _Parts(pilot, source, route, chart, heading=heading, notes=tuple(notes), origin=origin)
 
 
 def _experiment_of(settings: BridgeSettings, pilot: Autopilot, ended: Callable[[VoyageScore], None] | None) -> _Parts:
@@ -292,7 +303,9 @@ def _experiment_of(settings: BridgeSettings, pilot: Autopilot, ended: Callable[[
     )
 
 
-def _core_of(settings: BridgeSettings, parts: _Parts, recorder: Recorder | None) -> BridgeCore:
+def _core_of(
+    settings: BridgeSettings, parts: _Parts, recorder: Recorder | None, faults: Sequence[str] = ()
+) -> BridgeCore:
     source = parts.source
     core = BridgeCore(
         parts.pilot,
@@ -307,6 +320,7 @@ def _core_of(settings: BridgeSettings, parts: _Parts, recorder: Recorder | None)
         heading=parts.heading,
         rudder_limit=parts.rudder_limit,
         notes=parts.notes,
+        faults=faults,
     )
     if source.timed:
         core.clock_factor = settings.clock_factor

@@ -85,7 +85,7 @@ class RealTime:
             return
         self._target += elapsed * (core.clock_factor or 1.0)
         interval = core.filter_interval
-        while core.t + interval <= self._target + 1e-9 and not self._waits:
+        while core.t + interval <= self._target + 1e-9 and not self._waits and not core.standing:
             core.step(core.t + interval)
             self._ask()
             if self._clock() - began > _STRETCH:

@@ -12,6 +12,7 @@ from shipid.declaration.vocabulary import FIELDS, display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.trials.columns import header
+from shipid.trials.source import origin_words
 
 #: The columns of a recording; what is not measured stays empty.
 COLUMNS = (
@@ -33,6 +34,8 @@ class Recorder:
         Where the samples come from, for the comment.
     simulated : bool
         Whether the samples are simulated; the file says so in its first line.
+    origin : tuple of float, optional
+        Latitude and longitude in rad of the place where x and y are 0, where it is known.
 
     Attributes
     ----------
@@ -49,14 +52,17 @@ class Recorder:
         If the file cannot be written.
     """
 
-    def __init__(self, path: Path, ship: str, source: str, *, simulated: bool) -> None:
+    def __init__(
+        self, path: Path, ship: str, source: str, *, simulated: bool, origin: tuple[float, float] | None = None
+    ) -> None:
         self.path, self.samples, self.message = path, 0, ""
         first = "Simulated, not measured" if simulated else "Recorded"
+        place = "" if origin is None else f"# {origin_words(origin)}\n"
         heads = [header(n, display_unit(n, FIELDS[n].unit)) for n in ("t", *COLUMNS)]
         try:
             self._file = open(path, "wb", buffering=0)  # noqa: SIM115 - it stays open as long as the bridge does
             self._file.write(
-                f"# {first}: shipid {shipid.__version__}, bridge, ship {ship}, source {source}\n{','.join(heads)}\n".encode()
+                f"# {first}: shipid {shipid.__version__}, bridge, ship {ship}, source {source}\n{place}{','.join(heads)}\n".encode()
             )
         except OSError as error:
             raise MissingFileError(f"'{path}' cannot be recorded to: {error.strerror}.") from None

@@ -87,16 +87,21 @@ def test_a_simulation_that_cannot_keep_up_says_so():
     asyncio.run(run())
 
 
-def test_time_stands_where_a_replay_has_ended(make_core):
-    """The filter would sail on, and the page show as the ship's state what nobody has seen."""
+@pytest.mark.parametrize("due", [1.0, 60.0])
+def test_time_stands_where_a_replay_has_ended(make_core, due):
+    """The filter would sail on, and the page show as the ship's state what nobody has seen: at a high clock factor for minutes."""
     trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:10/10", noise="standard", duration="30 s")
-    core = make_core(ReplayedSource(trial))
+    core = make_core(ReplayedSource(trial), prediction_interval=60.0)
     loop = RealTime(core, lambda: 0.0)
 
     async def run():
-        for _ in range(60):
-            loop.advance(1.0)
+        for _ in range(6000):
+            loop.advance(due)
+            if core.source.state == "ended":
+                break
             await asyncio.sleep(0.01)
+        for _ in range(20):
+            loop.advance(due)
 
     asyncio.run(run())
     assert core.source.state == "ended" and core.t == pytest.approx(trial["t"][-1], abs=0.4)

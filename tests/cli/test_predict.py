@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 
@@ -234,3 +235,32 @@ def test_a_shaft_speed_that_varied_is_told():
         "n": 2.0
     } and "n stays at 120 rpm, as it was logged last; before that it went from 60 rpm to 120" in str(told[0])
     assert logged_inputs(model, log, 10.0, ["n"]) == ({}, [])
+
+
+@pytest.fixture(scope="module")
+def schedules(tmp_path_factory):
+    """A schedule by design, and one whose gains are a thousand times as high."""
+    pilot = shipid.design_autopilot("de-keizer", "soesterberg")
+    gains = {name: 1000 * values for name, values in pilot.schedule.gains.items()}
+    high = dataclasses.replace(pilot, schedule=dataclasses.replace(pilot.schedule, gains=gains))
+    folder = tmp_path_factory.mktemp("schedules")
+    shipid.write_schedule(pilot, folder / "sound.toml")
+    shipid.write_schedule(high, folder / "high.toml")
+    return folder
+
+
+def test_a_schedule_whose_loop_cycles_is_told(call, schedules, tmp_path):
+    """Its gains are far beyond what the steering gear can follow; the track of its mean rudder looked as any other."""
+    order = ("predict", "de-keizer", "--ship", "soesterberg", "--from", "psi=0 deg,u=9 m/s")
+    (tmp_path / "route.csv").write_text("x [m],y [m]\n0,0\n3000,0\n5000,2000\n")
+    said = "the loop cycles, since the gains of the autopilot are too high for this steering gear"
+    high, page = ("--schedule", str(schedules / "high.toml")), tmp_path / "out"
+    answer = call(*order, *high, "--heading", "20 deg", "--out", str(page))
+    assert said in " ".join(answer.out.split()) and said in " ".join((page / "report.html").read_text().split())
+    found = json.loads(call(*order, *high, "--route", str(tmp_path / "route.csv"), "--json").out)
+    (notice,) = [n for n in found["warnings"] if n["kind"] == "rudder-cycles"]
+    assert notice["serious"] and said in notice["message"]
+    # A rudder that is held is steered by no loop, and sound gains cycle nowhere.
+    assert said not in " ".join(call(*order, *high, "--rudder", "5 deg").out.split())
+    sound = call(*order, "--schedule", str(schedules / "sound.toml"), "--heading", "20 deg")
+    assert sound.code == 0 and "cycles" not in sound.out

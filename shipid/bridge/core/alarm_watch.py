@@ -89,7 +89,8 @@ class AlarmWatch:
         alarms = self._alarms
         off = route.off_track or 0.0
         side = "starboard" if off > 0 else "port"
-        alarms.set("off track", route.is_off, t, "alarm", f"off track: {_distance(abs(off))} to {side}")
+        if route.off_track is not None:
+            alarms.set("off track", route.is_off, t, "alarm", f"off track: {_distance(abs(off))} to {side}")
         due, turn = route.warns(t) and route.next_leg is not None, route.turn
         if route.leg != self._warned:
             # The turn that was warned of is sailed.

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, TypedDict, get_args
 
-from shipid.bridge.shown.plain_values import number
+from shipid.bridge.shown.plain_values import number, number_given
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 
@@ -144,12 +144,11 @@ class Console:
         return self.trial != before
 
     def _within(self, name: str, value: Plain) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise UsageError(f"'{name}' is a finite number, SI.")
+        given = number_given(value, name)
         if name == "heading":
-            return float(value % (2 * math.pi))
+            return given % (2 * math.pi)
         low, high = getattr(self.limits, name)
-        return float(min(max(value, low), high))
+        return float(min(max(given, low), high))
 
     def execute(self) -> None:
         """Make what is tried what is executed."""

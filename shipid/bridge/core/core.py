@@ -62,6 +62,8 @@ class BridgeCore:
         On the console at the beginning, in rad.
     notes : sequence of str
         What was found out when the route and the chart were read.
+    faults : sequence of str
+        What is wrong with the schedule of the autopilot.
 
     Attributes
     ----------
@@ -98,6 +100,7 @@ class BridgeCore:
         heading: float = 0.0,
         rudder_limit: float = RUDDER_LIMIT,
         notes: Sequence[str] = (),
+        faults: Sequence[str] = (),
     ) -> None:
         self.pilot, self.source = pilot, source
         self.filter_interval, self.prediction_interval = filter_interval, prediction_interval
@@ -118,7 +121,9 @@ class BridgeCore:
         self._told, self._told_at, self._touched = "", 0.0, False
         length, beam = pilot.length, pilot.ship.particular("B", "m")
         self.board.put("ship", {"name": pilot.ship.name, "length": number(length), "beam": number(beam)})
-        self.board.put("notes", list(notes))
+        self.board.put("notes", [*notes, *faults])
+        for k, fault in enumerate(faults):
+            self.alarms.set(f"schedule:{k}", True, 0.0, "warning", str(fault))
         if notes:
             self.alarms.set(
                 "notes", True, 0.0, "caution", "the route or the chart was not read as it stands: see Details"
@@ -164,6 +169,8 @@ class BridgeCore:
     def _follow(self, reading: SourceReading) -> None:
         known = self.own_ship.situation
         if known is None:
+            if self.watch is not None:
+                self.watch.lose()
             return
         values = known.values
         if not self._heading_known:
@@ -176,7 +183,7 @@ class BridgeCore:
             self.past.add(self.t, values["x"], values["y"])
         self.targets.take(reading.targets, values)
         self.scale.update(self.t, values)
-        if self.watch is not None:
+        if self.watch is not None and self.own_ship.placed:
             self.watch.update(values["x"], values["y"])
         if self.score is not None:
             # The voyage of a simulated ship is judged by where she is, not by where the filter takes her to be.
@@ -246,6 +253,8 @@ class BridgeCore:
         }
         if not isinstance(name, str) or name not in commands:
             raise UsageError(f"there is no such command; there are {', '.join(commands)}.")
+        if more := [k for k in rest if name not in ("trial", "simulation") and (name, k) != ("acknowledge", "id")]:
+            raise UsageError(f"'{name}' has no '{more[0][:40]}'.")
         commands[name](rest)
 
     def _try(self, rest: dict[str, Plain]) -> None:

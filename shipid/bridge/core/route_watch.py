@@ -130,6 +130,10 @@ class RouteWatch:
             off = first.across(np.array([x]), np.array([y]))
         self.off_track = float(off[0])
 
+    def lose(self) -> None:
+        """Forget where the ship is: nothing is known of her now, as where she makes no way ahead."""
+        self.off_track = self.turn = self.overshoot = None
+
     def take(self, turn: WheelOver | None, track: PredictedTrack | None, t: float) -> None:
         """Take what was predicted.
 

@@ -76,7 +76,7 @@ class ShownTracks:
                 known,
                 self._as_headed(trial),
                 self._as_headed(executed),
-                None if self._route is None else self._route.next_leg,
+                self._route.next_leg if self._route is not None and self._own_ship.placed else None,
                 console.trial.rudder_limit,
                 executed is not None and executed.mode == "track",
                 begins,

@@ -108,6 +108,11 @@ class OwnShip:
         return self._situation
 
     @property
+    def placed(self) -> bool:
+        """Whether a fix was ever heard: before the first one her place is reckoned from nowhere."""
+        return self.sensors.value("x") is not None
+
+    @property
     def jumped(self) -> float | None:
         """How far the position has jumped in m, for a minute after it; None where it has not."""
         when, how_far = self._jump
@@ -124,6 +129,9 @@ class OwnShip:
             By the names of a trial's columns, SI.
         """
         step, self._t = t - self._t, t
+        if not all(math.isfinite(values.get(n, math.nan)) for n in ("x", "y")):
+            # Half a fix is none.
+            values = {n: v for n, v in values.items() if n not in ("x", "y")}
         self.sensors.take(t, values)
         sample = self._sample(values)
         if self._online is None:
@@ -157,7 +165,8 @@ class OwnShip:
 
     def _begin(self, t: float) -> bool:
         """Begin the filter once all that it needs was heard; return whether it has begun."""
-        needed = {"psi": "heading", "u": "speed", "delta": "rudder angle"}
+        still = any(self.sensors.value(n) is not None for n in ("u", "SOG"))
+        needed = {"psi": "heading", "u": "way ahead" if still else "speed", "delta": "rudder angle"}
         lacking = [label for name, label in needed.items() if name not in self._first]
         if lacking:
             self.message = f"waiting for the {' and the '.join(lacking)}"

@@ -106,7 +106,7 @@ class Alarms:
                 if not alarm.active:
                     del self._by_condition[condition]
                 return
-        raise UsageError(f"there is no alarm {number_of_it} to acknowledge.")
+        raise UsageError(f"there is no alarm {str(number_of_it)[:40]} to acknowledge.")
 
     @property
     def conditions(self) -> dict[str, Alarm]:

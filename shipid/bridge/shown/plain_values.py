@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import suppress
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import UsageError
 
 
 def number(value: float | None, digits: int = 8) -> float | None:
@@ -21,6 +23,30 @@ def number(value: float | None, digits: int = 8) -> float | None:
     if value is None or not math.isfinite(value):
         return None
     return float(f"{value:.{digits}g}") + 0.0
+
+
+def number_given(value: Plain, name: str) -> float:
+    """Return a number that a page has sent.
+
+    Parameters
+    ----------
+    value : plain values
+        What was sent.
+    name : str
+        What it is.
+
+    Raises
+    ------
+    UsageError
+        If it is no finite number.
+    """
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        # JSON has whole numbers that no float holds.
+        with suppress(OverflowError):
+            given = float(value)
+            if math.isfinite(given):
+                return given
+    raise UsageError(f"'{name}' is a finite number, SI.")
 
 
 def strict_json(value: Plain) -> str:

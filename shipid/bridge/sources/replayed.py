@@ -24,6 +24,8 @@ class ReplayedSource:
     ----------
     started : datetime or None
         The moment of its first sample, where it is known.
+    trial : Trial
+        The trial.
     simulated : bool
         Whether the trial is a simulation.
 
@@ -43,6 +45,7 @@ class ReplayedSource:
         names = [n for n in FIELDS if n != "t" and trial.has(n)]
         self._names, self._table = tuple(names), np.stack([trial[n] for n in names], axis=1)
         self._next = 0
+        self.trial = trial
         self.started = _moment(trial.source.start)
         self.simulated = trial.source.simulated
 

@@ -13,7 +13,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.bridge.core.console import SteeringOrder
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState
 from shipid.bridge.own_ship.own_ship import label_of
-from shipid.bridge.shown.plain_values import number
+from shipid.bridge.shown.plain_values import number, number_given
 from shipid.declaration.component import Component
 from shipid.declaration.units import to_si
 from shipid.foundation.aliases import Plain
@@ -210,15 +210,14 @@ class SimulatedSource:
                 raise UsageError(f"the simulation has no '{str(name)[:40]}'; it has {', '.join(known)}.")
             if name == "coefficient":
                 continue
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-                raise UsageError(f"'{name}' is a finite number, SI.")
+            given = number_given(value, name)
             if name == "value":
                 continue
             what, _, part = name.partition("_")
             if part == "speed":
-                flows[what][0] = min(max(float(value), 0.0), _FASTEST[name])
+                flows[what][0] = min(max(given, 0.0), _FASTEST[name])
             else:
-                flows[what][1] = (float(value) + (math.pi if part.endswith("from") else 0.0)) % (2 * math.pi)
+                flows[what][1] = (given + (math.pi if part.endswith("from") else 0.0)) % (2 * math.pi)
         if "coefficient" in wanted or "value" in wanted:
             self._set(wanted.get("coefficient"), wanted.get("value"))
         self._flows = {n: (v[0], v[1]) for n, v in flows.items()}
@@ -228,7 +227,7 @@ class SimulatedSource:
         if not isinstance(name, str) or name not in self._coefficients or value is None:
             raise UsageError(f"a coefficient is one of {', '.join(self._coefficients)}, with its value.")
         low, high = self._range(name)
-        self._changed[name] = min(max(float(value), low), high)
+        self._changed[name] = min(max(number_given(value, "value"), low), high)
         self.ship.set(name, self._changed[name])
 
     def _range(self, name: str) -> tuple[float, float]:

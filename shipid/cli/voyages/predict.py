@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from shipid.autopilot.design.autopilot import Autopilot
     from shipid.foundation.notices import Notice
-    from shipid.prediction.routes.route import Route
     from shipid.prediction.situations.situation import Situation
     from shipid.prediction.tracks.track_predictor import Band
     from shipid.trials.trial import Trial
@@ -116,6 +115,9 @@ def predict(
     from shipid.prediction.predict_route import predict_route
     from shipid.prediction.predict_track import predict_track
     from shipid.prediction.routes.read_route import read_route
+    from shipid.prediction.routes.shared_origin import shared_origin
+    from shipid.prediction.sailing.loop_cycles import loop_cycles
+    from shipid.prediction.situations.situation import Situation
 
     ordered = heading is not None or rudder is not None or rate is not None
     if route is not None and ordered:
@@ -130,7 +132,11 @@ def predict(
             pilot, begin, trial, at, current, wind, waves, tell, on_route=plan is not None
         )
         told = [*told, *noted]
-        place = _origin(plan, trial)
+        if schedule is not None and rudder is None:
+            tell("sailing the schedule")
+            known = situation.values if isinstance(situation, Situation) else situation
+            told += loop_cycles(pilot, known.get("cruise", known["u"]), inputs={**inputs, **held})
+        place = shared_origin(plan, trial)
         # A chart that cannot be drawn is told before the work is done.
         below = None if chart is None else read_chart(chart, _known(place))
         tell("predicting")
@@ -224,20 +230,6 @@ def _situation(
         values |= read
         origin = "the state given"
     return values if waves is None else in_waves(values, read, waves, pilot.length, pilot.own_speed), origin, []
-
-
-def _origin(route: Route | None, trial: Trial | None) -> tuple[float, float] | None:
-    """Where x and y are 0, in rad."""
-    from shipid.foundation.errors import UsageError
-
-    if trial is None:
-        return None if route is None else route.origin
-    if route is not None and route.geographic and trial.source.origin is None:
-        raise UsageError(
-            f"trial {trial.name} does not say where on the earth its x and y are 0, and the route has latitudes and longitudes: log "
-            "positions as latitude and longitude, or write the route in the trial's metres."
-        )
-    return trial.source.origin
 
 
 def _known(origin: tuple[float, float] | None) -> tuple[float, float]:

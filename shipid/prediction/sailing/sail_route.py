@@ -29,8 +29,9 @@ from shipid.prediction.following.wheel_over import heading_on
 from shipid.prediction.routes.route import Route
 from shipid.prediction.routes.route_plan import plan_of
 from shipid.prediction.routes.sailings import turned
-from shipid.prediction.sailing.rudder_at_rate import CYCLES, cycles_at_rate
-from shipid.prediction.sailing.sail import sail, steering
+from shipid.prediction.sailing.loop_cycles import loop_cycles
+from shipid.prediction.sailing.rudder_at_rate import cycles_at_rate
+from shipid.prediction.sailing.sail import steering
 from shipid.prediction.sailing.simulated_ship import SimulatedShip
 from shipid.prediction.sailing.surroundings import stated_inputs, stated_values, with_waves
 from shipid.prediction.sailing.voyage import Voyage, WheelOverDone, limits_left, not_followed, too_late
@@ -58,8 +59,6 @@ _SLOWER, _MORE = 2.5, 100.0
 _MOST_STEPS = 1e6
 #: A wheel-over is late by more than so many intervals of the orders.
 _LATE = 2.0
-#: A course change in rad by which a loop that cycles shows it.
-_ASKED = 0.2
 #: What the pilot knows of the ship.
 _KNOWN = ("x", "y", "psi", "r", "u", "v", "delta")
 
@@ -184,8 +183,7 @@ def sail_route(
         t, delta = (np.array([sample[n] for sample in run.samples]) for n in ("t", "delta"))
         told += cycles_at_rate(t, delta, sailing.coefficients.get("delta_rate", pilot.limits["delta_rate"]))
     else:  # a sound loop answers waves at the limit, too: ask of the loop without them
-        again = sail(steered, _ASKED, speed=u0, current=current, wind=wind, inputs=inputs, values=values)
-        told += [n for n in again.source.notes if isinstance(n, Notice) and n.kind == CYCLES]
+        told += loop_cycles(steered, u0, current=current, wind=wind, inputs=inputs, values=values)
     met = met_words(current, wind, waves, driven_by(truth)[1], values)
     beside = logged_beside(truth, wind, {n: acting[n] for n in inputs or {}})
     return _voyage(run, pilot, route, parse_noise(noise), seed, met, told, name or route.name, beside)

@@ -153,7 +153,8 @@ def read_record(
         format=fmt.name if fmt else None,
         simulated="simulated" in (comments[0].lower() if comments else ""),
         comment="\n".join(comments),
-        origin=origin_in("\n".join(comments)),
+        # Positions that count from a fix do so whatever a comment says of the trial they were written from.
+        origin=record.source.origin or origin_in("\n".join(comments)),
     )
     asked = wanted if span is None or isinstance(wanted, str) else ":".join("" if b is None else f"{b:g}" for b in span)
     title = record.name if asked is None else f"{record.name}@{asked}"

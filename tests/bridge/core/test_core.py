@@ -173,7 +173,10 @@ def test_what_is_tried_stays_within_its_range(make_core, wanted, name, value):
         {"command": "acknowledge", "id": 77}, {"command": "simulation", "clock_factor": 1e9}, {"command": "simulation", "paused": 1},
         {"command": "simulation", "wind_speed": "strong"}, {"command": "simulation", "depth": 1.0},
         {"command": "simulation", "coefficient": "Q", "value": 1.0}, {"command": "simulation", "coefficient": "K"},
-        {"command": "simulation", "coefficient": [], "value": 1.0},
+        {"command": "simulation", "coefficient": [], "value": 1.0}, {"command": "trial", "heading": 10**400},
+        {"command": "trial", "rudder": -(10**400)}, {"command": "simulation", "wind_speed": 10**400},
+        {"command": "simulation", "coefficient": "K", "value": 10**400}, {"command": "simulation", "clock_factor": 10**400},
+        {"command": "execute", "heading": 1.0}, {"command": "cancel", "id": 1}, {"command": "acknowledge", "id": 1, "heading": 1.0},
     ],
 )  # fmt: skip
 def test_a_command_that_is_none_changes_nothing(make_core, message):
@@ -394,6 +397,38 @@ def test_it_waits_for_what_the_filter_needs(scripted):
     source.silent = set()
     sail(core, 30)
     assert core.own_ship.health == "well"
+
+
+class Stopping(Scripted):
+    """A ship that loses her way, and goes astern."""
+
+    begins, least = 9.0, -3.0
+
+    def take(self, t):
+        reading = super().take(t)
+        return SourceReading({**reading.values, "u": max(self.begins - 0.15 * t, self.least)})
+
+
+def test_a_ship_that_lies_still_has_no_way_ahead_yet(make_core):
+    source = Stopping()
+    source.begins = source.least = 0.0
+    core = make_core(source)
+    sail(core, 3)
+    assert shown(core)["adaptation"]["health"]["message"] == "waiting for the way ahead"
+
+
+def test_of_a_ship_that_goes_astern_no_old_place_on_the_route_is_shown(make_core):
+    """Nothing is predicted of her; her distance off the track and the time to the wheel-over were those of minutes ago."""
+    points = [(0.0, 0.0), (900.0, 0.0), (3000.0, 2000.0)]
+    route = bridge_route(route_through(points, radius=300.0), None, 300.0)
+    core = make_core(Stopping(), route=route, prediction_interval=10.0)
+    sail(core, 40)
+    told = shown(core)["route"]
+    assert told["off_track"] is not None and told["wheel_over"] is not None
+    sail(core, 60)
+    told = shown(core)
+    assert told["own"]["u"] is None and "makes none" in told["adaptation"]["health"]["message"]
+    assert told["route"]["off_track"] is None and told["route"]["wheel_over"] is None
 
 
 @pytest.fixture

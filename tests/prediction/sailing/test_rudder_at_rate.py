@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from shipid.prediction.routes.route import Route, Waypoint
+from shipid.prediction.sailing.loop_cycles import loop_cycles
 from shipid.prediction.sailing.rudder_at_rate import cycles_at_rate
 from shipid.prediction.sailing.sail import sail
 from shipid.prediction.sailing.sail_route import sail_route
@@ -54,3 +55,9 @@ def test_many_turns_with_rests_between_them_are_no_cycle():
     fast = np.clip(delta, -1, 1)
     assert not cycles_at_rate(t, fast, 0.8)
     assert cycles_at_rate(t, np.abs(t % 40 - 20), 1.0)
+
+
+@pytest.mark.parametrize("factor", [1, 10, 100, 1000])
+def test_of_an_autopilot_alone(pilot, factor):
+    assert bool(told(loop_cycles(times(pilot, factor), 7.0))) is (factor >= 100)
+    assert not loop_cycles(times(pilot, factor), -1.0)  # a ship that makes no way is not sailed

@@ -290,7 +290,8 @@ def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None
     if found is None:
         return None
     lat, lon = (found.values * _DEG).T
-    north, east = to_local(lat, lon, (float(lat[0]), float(lon[0])))
+    origin = float(lat[0]), float(lon[0])
+    north, east = to_local(lat, lon, origin)
     note = (
         f"x, y: {described(found)}; metres in the plane that touches the WGS84 ellipsoid at the first fix, latitude "
         f"{lat[0] / _DEG:.7f}, longitude {lon[0] / _DEG:.7f}"
@@ -302,7 +303,7 @@ def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None
         if len(kinds) > 1:
             said = ", ".join(f"{_QUALITIES[int(k)]} {n}" for k, n in zip(kinds, counts))
             more.append(f"The quality of the fixes changes ({said}): the positions may step.")
-    return Signal("position", found.t, np.column_stack((north, east)), (note + ".", *more))
+    return Signal("position", found.t, np.column_stack((north, east)), (note + ".", *more), origin)
 
 
 def _winds(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal | None) -> list[Signal | None]:

@@ -21,6 +21,7 @@ from shipid.trials.logs.nmea.resampling import Channel, Signal, resample, united
 from shipid.trials.logs.nmea.settings import NmeaFormat
 from shipid.trials.logs.nmea.streams import separated
 from shipid.trials.logs.record import LenientRecord
+from shipid.trials.source import Source
 
 _UNITS = {
     "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "SOG": "m/s",
@@ -87,7 +88,9 @@ def read_nmea(file: Path, fmt: NmeaFormat, part: str | None = None) -> tuple[Len
         notes.append(f"Sentences that are not read: {seen}" + (f" and {rest} others." if rest > 0 else "."))
     stated = {name: _UNITS[name] for name in columns}
     faults = _rate_fault(signals, log.where)
-    return LenientRecord(file.stem, columns, stated, log.where, notes=tuple(notes), faults=faults), log.head
+    source = Source(origin=signals["position"].origin if "position" in signals else None)
+    record = LenientRecord(file.stem, columns, stated, log.where, source, notes=tuple(notes), faults=faults)
+    return record, log.head
 
 
 def _never_valid(log: NmeaLog, columns: dict[str, np.ndarray]) -> list[str]:

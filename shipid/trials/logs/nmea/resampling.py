@@ -30,12 +30,15 @@ class Signal:
         What can be interpolated linearly: unwrapped angles, components of vectors.
     notes : tuple of str
         Where it comes from and what was converted.
+    origin : tuple of float or None
+        Of positions: latitude and longitude in rad of the place from which they count.
     """
 
     name: str
     t: np.ndarray
     values: np.ndarray
     notes: tuple[str, ...] = ()
+    origin: tuple[float, float] | None = None
 
     @property
     def interval(self) -> float:
