@@ -17,7 +17,7 @@ from shipid.foundation.errors import ShipidError, UsageError
 #: A command is no longer than this, in bytes; of clients there are at most so many.
 LONGEST_COMMAND, MOST_CLIENTS = 2048, 32
 #: Commands a second, and how many may come at once; a client that goes on after so many refusals is let go.
-_RATE, _BURST, _PATIENCE = 50.0, 100.0, 200
+_RATE, _BURST, PATIENCE = 50.0, 100.0, 200
 #: A client that takes nothing for so many seconds is let go.
 _STALLED = 30.0
 
@@ -131,7 +131,7 @@ class Client:
 
     async def _receive(self) -> None:
         rate, refused = CommandRate(time.monotonic()), 0
-        while refused < _PATIENCE:
+        while refused < PATIENCE:
             message = await self._socket.receive()
             if message["type"] != "websocket.receive":
                 return

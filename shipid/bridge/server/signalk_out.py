@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from contextlib import suppress
 from datetime import UTC, datetime
 
@@ -12,6 +13,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 import shipid
 from shipid.bridge.core.core import BridgeCore
 from shipid.bridge.real_time import RealTime
+from shipid.bridge.server.clients import PATIENCE, CommandRate
 from shipid.bridge.shown.plain_values import number, strict_json
 from shipid.foundation.aliases import Plain
 
@@ -73,7 +75,7 @@ def _stamp(moment: datetime) -> str:
 
 
 async def signalk_stream(socket: WebSocket, live: RealTime) -> None:
-    """Send a greeting, and then a delta a second; what a client sends is not read.
+    """Send a greeting, and then a delta a second; what a client sends is not read, and one that does not stop sending is let go.
 
     Parameters
     ----------
@@ -98,8 +100,9 @@ async def signalk_stream(socket: WebSocket, live: RealTime) -> None:
             await asyncio.sleep(_EVERY)
 
     async def listen() -> None:
-        while (await socket.receive())["type"] == "websocket.receive":
-            pass
+        rate, refused = CommandRate(time.monotonic()), 0
+        while refused < PATIENCE and (await socket.receive())["type"] == "websocket.receive":
+            refused += not rate.allows(time.monotonic())
 
     tasks = [asyncio.create_task(send()), asyncio.create_task(listen())]
     try:
