@@ -115,6 +115,7 @@ def _turn(
     for name, limit in (("advance", 4.5), ("transfer", None), ("tactical_diameter", 5.0)):
         still = getattr(circle, f"{name}_still_water")
         value = getattr(circle, name) if still is None else still
+        off = getattr(circle, f"{name}_uncertainty" if still is None else f"{name}_still_water_uncertainty")
         beside = "" if still is None else "the drift of the circle is taken off"
         if circle.track.startswith("speed"):
             beside = f"the track is from {circle.track}"
@@ -124,7 +125,7 @@ def _turn(
             "L",
             number,
             None if value is None or length is None else value / length,
-            None,
+            None if off is None or length is None else off / length,
             limit,
             "none" if limit is None else f"{limit:g} L",
             "the ship length is not stated" if length is None else circle.reason(name) or "not reached",

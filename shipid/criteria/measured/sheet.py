@@ -14,7 +14,7 @@ from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import counted, fixed, number, uncertain_text
 from shipid.foundation.result import DrawnResult, Result, ResultEntry
 from shipid.trials.conditions import Conditions
-from shipid.trials.measuring.results.measures import Measures, measured
+from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
@@ -153,7 +153,7 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
 
     def told(name: str) -> str:
         value, unit = shown[name]
-        return "not known" if value is None else f"{measured(value, unit)} {unit}"
+        return "not known" if value is None else f"{measures.told(name, value, unit)} {unit}"
 
     if isinstance(measures, TurningCircle):
         for name in ("advance", "transfer", "tactical_diameter"):

@@ -13,7 +13,7 @@ from shipid.foundation.aliases import Plain
 from shipid.report.figures.hull import outline
 from shipid.report.figures.svg import BLUE, GREEN, MUTED, ORANGE, PAPER, WIDTH, legend, svg, thin, with_gaps
 from shipid.trials.measuring.pull_out import PullOut
-from shipid.trials.measuring.results.measures import Measures, measured
+from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.spiral import MeasuredSpiral
@@ -206,14 +206,14 @@ def _dimensions(ax: Axes, circle: TurningCircle, side: float, off: float) -> Non
         ax.plot([x, side * transfer], [advance, advance], **thin_line)
         ax.plot([x, 0], [0, 0], **thin_line)
         ax.text(
-            x - side * 0.4 * off, 0.5 * advance, f"advance {measured(advance, 'm')} m", rotation=90, va="center",
+            x - side * 0.4 * off, 0.5 * advance, f"advance {circle.told('advance', advance, 'm')} m", rotation=90, va="center",
             ha="right" if side > 0 else "left", **words,
         )  # fmt: skip
         ax.annotate("", (side * transfer, advance + 1.5 * off), (0, advance + 1.5 * off), arrowprops=arrow)
         ax.text(
             0.5 * side * transfer,
             advance + 1.9 * off,
-            f"transfer {measured(transfer, 'm')} m",
+            f"transfer {circle.told('transfer', transfer, 'm')} m",
             ha="center",
             va="bottom",
             **words,
@@ -225,7 +225,7 @@ def _dimensions(ax: Axes, circle: TurningCircle, side: float, off: float) -> Non
         ax.text(
             0.5 * side * diameter,
             y - 0.4 * off,
-            f"tactical diameter {measured(diameter, 'm')} m",
+            f"tactical diameter {circle.told('tactical_diameter', diameter, 'm')} m",
             ha="center",
             va="top",
             **words,

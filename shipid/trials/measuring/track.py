@@ -198,14 +198,18 @@ def smooth_track(trial: Trial, moments: np.ndarray, half: float) -> tuple[np.nda
 
 def _at(channel: Channel, moments: np.ndarray, half: float) -> np.ndarray:
     """A coordinate at given moments; what is reckoned from speed and heading is smooth as it is."""
+    found = np.interp(moments, channel.t, _calmed(channel, half), left=np.nan, right=np.nan)
+    begin, end = np.array(channel.holes).reshape(-1, 2).T[:, :, None]
+    return np.where(((moments > begin) & (moments < end)).any(axis=0), np.nan, found)
+
+
+def _calmed(channel: Channel, half: float) -> np.ndarray:
+    """A coordinate at its own samples, averaged over so much time before and behind each."""
     # What lies on the other side of a hole is far away: each stretch is averaged by itself.
     behind = np.searchsorted(channel.t, [end for _, end in channel.holes])
     wide = max(half, 2.5 * channel.interval)
     stretches = zip(np.split(channel.t, behind), np.split(channel.y, behind))
-    values = np.concatenate([series.local_values(t, y, wide) for t, y in stretches])
-    found = np.interp(moments, channel.t, values, left=np.nan, right=np.nan)
-    begin, end = np.array(channel.holes).reshape(-1, 2).T[:, :, None]
-    return np.where(((moments > begin) & (moments < end)).any(axis=0), np.nan, found)
+    return np.concatenate([series.local_values(t, y, wide) for t, y in stretches])
 
 
 def jumped(channel: Channel, start: float, end: float) -> float:
@@ -269,6 +273,20 @@ class TurnTrack:
         north, east = shift
         north, east = north - drift[0] * (at - self.when), east - drift[1] * (at - self.when)
         return self.c * north + self.s * east, self.side * (self.c * east - self.s * north)
+
+    def scatter(self) -> float:
+        """Return the standard deviation of a coordinate that is averaged as those of the distances are [m].
+
+        An average over twice the time has about half of its variance, and is part of the same samples: what lies between the two has the
+        other half. It holds noise that lasts for a few samples, but none that lasts as long as the turn, as that of a satellite
+        receiver may.
+        """
+        squares = []
+        for channel in (self.x, self.y):
+            half = max(self.calm, 2.5 * channel.interval)
+            apart = np.abs(_calmed(channel, half) - _calmed(channel, 2 * half))[channel.t >= self.when - 4 * half]
+            squares.append((1.4826 * float(np.median(apart))) ** 2 if apart.size else 0.0)
+        return float(np.sqrt(2 * np.mean(squares)))
 
     def speed(self, quarters: list[float | None]) -> float:
         """Return the mean speed over the ground of the first 90 deg, as the crow flies [m/s].

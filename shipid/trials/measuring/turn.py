@@ -26,6 +26,7 @@ from shipid.trials.measuring.track import (
     track_channels,
     turning_width,
 )
+from shipid.trials.measuring.uncertainty import distance_uncertainties
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.course_change import ends_on_course
@@ -158,7 +159,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     found: dict[str, Plain] = {}
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
-    late, beside = turn_setting_out(steering, side, when), {}
+    late, beside, way = turn_setting_out(steering, side, when), {}, None
     moves = when if late is None else late.times[0]
     clock, apart = turn_by_clock(steering, psi, side, moves), ""
     misplaced = faults.misplaced() if track is not None and track[2] == "positions" else None
@@ -232,6 +233,8 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             "ship did not drift in the turn"
         )
     measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
+    if way is not None and measured_on == ("x", "y"):
+        found |= distance_uncertainties(way, psi, quarters, start[0].within, found)
     return TurningCircle(
         trial=trial.name,
         execute=steering.reading,

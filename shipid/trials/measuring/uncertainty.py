@@ -1,10 +1,14 @@
-"""Uncertainty of an overshoot: when the execute was, the scatter of the heading, and how densely it is sampled."""
+"""Uncertainty of an overshoot and of the distances of a turn: when the execute was, and the scatter of heading and positions."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
+from shipid.foundation.statistics import NORMAL_95
 from shipid.trials.measuring.rudder.executes import Execute
+from shipid.trials.measuring.track import TurnTrack
 from shipid.trials.signals.channel import Channel
 
 _PEAKS = (10 / 3, 5.0)
@@ -69,6 +73,62 @@ def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: 
         local = 0.0 if when is None else _step_at(logged, when, half)
         parts.append(0.78 / np.sqrt(2) * max(logged.digit or logged.grain or 0.0, local))
     return float(np.sqrt(np.sum(np.square(parts))))
+
+
+def distance_uncertainties(
+    way: TurnTrack, psi: Channel, quarters: Sequence[float | None], within: float, found: Mapping[str, float | None]
+) -> dict[str, float]:
+    """Return the 95 % uncertainties of the distances of a turn that are known [m].
+
+    Each is a difference of two averaged positions along or across the course before the order, until the heading has changed by 90 or
+    180 deg: both are uncertain by the scatter of the heading. The advance counts from an order that is anywhere in its interval.
+    A fault that lasts as long as the turn, of the receiver or of the compass, is not in it.
+
+    Parameters
+    ----------
+    way : TurnTrack
+        The track, from positions.
+    psi : Channel
+        The heading, short holes bridged.
+    quarters : sequence of float or None
+        When the heading has changed by 90, 180 deg and so on [s].
+    within : float
+        The order is within this time of the one stated, before or after it [s].
+    found : mapping of str to float or None
+        What the circle measures, by name, SI.
+
+    Returns
+    -------
+    dict of str to float
+        By names such as ``advance_uncertainty`` and ``advance_still_water_uncertainty``.
+    """
+    fixes = NORMAL_95 * np.sqrt(2) * way.scatter()
+    heading = NORMAL_95 * _scatter(psi.y)
+    averaged = max(1.0, float(np.sum(np.abs(psi.t - way.when) <= way.calm)))
+    # At the end of a straight line through as many samples its variance is four times that of their mean.
+    course, turned = 2 * heading / np.sqrt(averaged), heading / np.sqrt(max(1.0, 0.5 * averaged))
+    known: dict[str, float] = {}
+    for name, quarter, axis in (
+        ("advance", quarters[0], 0),
+        ("transfer", quarters[0], 1),
+        ("tactical_diameter", quarters[1], 1),
+    ):
+        if quarter is None or found.get(name) is None:
+            continue
+        before, after = np.interp([quarter - way.calm, quarter + way.calm], psi.t, psi.y)
+        sailed = np.subtract(way.moved(quarter + way.calm), way.moved(quarter - way.calm))
+        # By which way the distance grows while the heading changes by so much; nothing is told of a heading that stands still there.
+        later = float(sailed[axis] / abs(after - before)) if after != before else 0.0
+        # Another course turns the axes, and moves the moment as well.
+        along, across = way.moved(quarter)
+        parts = [fixes, course * ((across if axis == 0 else -along) + later), turned * later]
+        if axis == 0:
+            parts.append(within * way.moved(way.when + way.calm)[0] / way.calm)
+        known[f"{name}_uncertainty"] = float(np.sqrt(np.sum(np.square(parts))))
+        if found.get(f"{name}_still_water") is not None:
+            drifted = (found.get("drift_uncertainty") or 0.0) * (quarter - way.when)
+            known[f"{name}_still_water_uncertainty"] = float(np.hypot(known[f"{name}_uncertainty"], drifted))
+    return known
 
 
 def _scatter(y: np.ndarray) -> float:

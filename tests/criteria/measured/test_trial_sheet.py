@@ -80,6 +80,25 @@ def test_a_limit_inside_the_uncertainty_decides_nothing(sheet, overshoot, margin
     assert row.verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("diameter", "margin", "verdict"), [(4.9, 0.05, "within"), (4.9, 0.2, "not decided"), (5.3, 0.2, "beyond")]
+)
+def test_a_limit_inside_the_uncertainty_of_a_diameter_decides_nothing(sheet, diameter, margin, verdict):
+    own = next(m.measures for m in sheet.manoeuvres if m.measures.kind == "turning circle")
+    length = 226.0
+    changed = altered(
+        own,
+        rudder=np.radians(35.0),
+        tactical_diameter=diameter * length,
+        tactical_diameter_uncertainty=margin * length,
+        tactical_diameter_still_water=None,
+    )
+    rows = {row.key: row for row in measured_criteria(1, changed, length)}
+    assert rows["tactical_diameter"].verdict == verdict
+    ends = rows["tactical_diameter"].to_dict()["measured"]["interval_95"]
+    assert ends == pytest.approx([diameter - margin, diameter + margin])
+
+
 def test_a_circle_with_little_rudder_is_not_the_one_of_the_standard(sheet):
     own = sheet.manoeuvres[2].measures
     rows = {r.key: r for r in measured_criteria(1, altered(own, rudder=np.radians(20.0)), 226.0)}
@@ -186,7 +205,8 @@ def test_the_page_shows_plots_verdicts_poster_and_blanks(sheet):
     )
     overshoot = f"{np.degrees(sheet.manoeuvres[1].measures.overshoots[0]):.1f}°"
     assert overshoot in page
-    assert f"advance {sheet.manoeuvres[2].measures.advance:.0f} m" in page
+    circle = sheet.manoeuvres[2].measures
+    assert f"advance {circle.told('advance', circle.advance, 'm')} m" in page
 
 
 def test_the_form_follows_from_what_is_stated(day):
@@ -269,4 +289,6 @@ def test_why_a_circle_decides_nothing_is_said_once_below_its_first_quantity(day)
 def test_a_page_says_what_stands_after_plus_or_minus(sheet, day):
     page = render(sheet)
     assert "After ±: the 95 % uncertainty." in page and "± is the 95 % uncertainty." in page
-    assert "After ±" not in render(trial_sheet([day[2]], length=LENGTH)), "a circle has none"
+    assert "After ±" not in render(
+        trial_sheet([dataclasses.replace(day[2], table=day[2].table.drop(columns=["x", "y"]))], length=LENGTH)
+    ), "a reckoned circle has none"

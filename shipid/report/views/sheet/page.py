@@ -15,8 +15,8 @@ from shipid.foundation.numbers import fixed, given, number, uncertain
 from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
-from shipid.trials.measuring.results.measures import Measures, measured
-from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.turning_circle import BESIDE_DISTANCES, TurningCircle
 from shipid.trials.trial import Trial
 
 _GROUPS = (
@@ -28,7 +28,7 @@ _LIMITS = [
 #: What the figure of a manoeuvre shows, by the class of its measures.
 _CAPTIONS = {
     "ZigZag": "Heading and rudder; each overshoot is marked. The tables count time from the beginning of the record; ± is the 95 % uncertainty.",
-    "TurningCircle": "The track of the circle, averaged as for its dimensions, with the ship's outline.",
+    "TurningCircle": "The track of the circle, averaged as for its dimensions, with the ship's outline; ± is the 95 % uncertainty.",
     "MeasuredSpiral": "Steady rate of turn against rudder angle.",
     "PullOut": "Rate of turn after the rudder is put amidships.",
 }
@@ -189,7 +189,12 @@ def _single(measures: Measures) -> Iterator[Row]:
     known = {name: value for name, value, _, _ in measures.quantities()}
     for name, value, unit, meaning in measures.quantities():
         reason = measures.reason(name)
-        if isinstance(value, tuple) or (value is None and reason is None) or name.endswith(_RATIO):
+        if (
+            isinstance(value, tuple)
+            or (value is None and reason is None)
+            or name.endswith(_RATIO)
+            or name in BESIDE_DISTANCES
+        ):
             continue
         ratio = known.get(f"{name.removesuffix('_distance')}{_RATIO}")
         yield {
@@ -253,7 +258,9 @@ def _distance(circle: TurningCircle, name: str, length: float | None) -> str:
     value = getattr(circle, name) if still is None else still
     if value is None:
         return "not known" if circle.reason(name) else "not reached"
-    return measured(value, "m") + (f" ({number(value / length, 3)} L)" if length else "")
+    return circle.told(name if still is None else f"{name}_still_water", value, "m") + (
+        f" ({number(value / length, 3)} L)" if length else ""
+    )
 
 
 def _quarter(name: str, value: float | None) -> str:

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import ClassVar
 
 from shipid.declaration.vocabulary import to_display
-from shipid.foundation.numbers import last_place
+from shipid.foundation.numbers import last_place, uncertain_text
 from shipid.trials.measuring.results.measures import Measures, quantity, words
+
+#: Uncertainties that are told with their distances.
+BESIDE_DISTANCES = tuple(
+    f"{name}{still}_uncertainty"
+    for still in ("", "_still_water")
+    for name in ("advance", "transfer", "tactical_diameter")
+)
+#: An uncertainty of less than this share of a distance is none that its digits show.
+_SHOWN = 0.0005
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -24,10 +34,14 @@ class TurningCircle(Measures):
         Where the track comes from: positions, or speeds and heading.
     advance, transfer, tactical_diameter, advance_ratio, transfer_ratio, tactical_diameter_ratio : float or None
         See the meaning of each in `quantities`.
+    advance_uncertainty, transfer_uncertainty, tactical_diameter_uncertainty : float or None
+        Of each, where it is read from positions; none of reckoned tracks.
     advance_still_water, transfer_still_water, tactical_diameter_still_water : float or None
         The same with the drift of the circle taken off, where it turns far enough to show it.
     advance_still_water_ratio, transfer_still_water_ratio, tactical_diameter_still_water_ratio : float or None
         In ship lengths.
+    advance_still_water_uncertainty, transfer_still_water_uncertainty, tactical_diameter_still_water_uncertainty : float or None
+        Of these; that of the drift is in them.
     drift_speed, drift_uncertainty, drift_direction : float or None
         Of the whole circle over the ground: current, and what wind and waves add to it; the direction it drifts to.
     times, speeds : tuple of float or None
@@ -44,6 +58,11 @@ class TurningCircle(Measures):
     advance: float | None = quantity("m", "along the initial course, at 90 deg, over the ground")
     transfer: float | None = quantity("m", "across the initial course, at 90 deg, over the ground")
     tactical_diameter: float | None = quantity("m", "across the initial course, at 180 deg, over the ground")
+    advance_uncertainty: float | None = quantity(
+        "m", "95 % uncertainty of the advance: positions, heading and moment of the order"
+    )
+    transfer_uncertainty: float | None = quantity("m", "95 % uncertainty of the transfer")
+    tactical_diameter_uncertainty: float | None = quantity("m", "95 % uncertainty of the tactical diameter")
     advance_ratio: float | None = quantity("1", "advance in ship lengths")
     transfer_ratio: float | None = quantity("1", "transfer in ship lengths")
     tactical_diameter_ratio: float | None = quantity("1", "tactical diameter in ship lengths")
@@ -53,6 +72,11 @@ class TurningCircle(Measures):
     advance_still_water: float | None = quantity("m", "advance with that drift taken off")
     transfer_still_water: float | None = quantity("m", "transfer with that drift taken off")
     tactical_diameter_still_water: float | None = quantity("m", "tactical diameter with that drift taken off")
+    advance_still_water_uncertainty: float | None = quantity("m", "95 % uncertainty of that advance")
+    transfer_still_water_uncertainty: float | None = quantity("m", "95 % uncertainty of that transfer")
+    tactical_diameter_still_water_uncertainty: float | None = quantity(
+        "m", "95 % uncertainty of that tactical diameter"
+    )
     advance_still_water_ratio: float | None = quantity("1", "the same in ship lengths")
     transfer_still_water_ratio: float | None = quantity("1", "the same in ship lengths")
     tactical_diameter_still_water_ratio: float | None = quantity("1", "the same in ship lengths")
@@ -67,7 +91,7 @@ class TurningCircle(Measures):
     pull_out_rate: float | None = quantity("rad/s", "rate of turn left after the pull-out, to starboard")
 
     def told(self, name: str, value: float, unit: str) -> str:
-        """Return one number as `Measures.told` does; the drift has the digits that its uncertainty allows.
+        """Return one number as `Measures.told` does; a distance with its uncertainty, the drift in the digits that its own allows.
 
         Parameters
         ----------
@@ -78,8 +102,16 @@ class TurningCircle(Measures):
         if name in ("drift_speed", "drift_uncertainty") and within is not None and within > 0:
             place = last_place(float(to_display(within, name, "m/s")))
             return f"{round(value, place) + 0.0:.{max(0, place)}f}"
+        of = name.removesuffix("_ratio")
+        off = getattr(self, f"{of}_uncertainty", None)
+        if off is not None and (whole := getattr(self, of)) and off >= _SHOWN * abs(whole):
+            return uncertain_text(value, off * value / whole)
         # Of no circle is the direction known to a degree.
         return f"{round(value) % 360:03d}" if name == "drift_direction" else super().told(name, value, unit)
+
+    def _lines(self, without: Collection[str] = ()) -> list[str]:
+        """The quantities; the uncertainty of a distance stands with it."""
+        return super()._lines((*without, *BESIDE_DISTANCES))
 
     @property
     def title(self) -> str:
