@@ -74,4 +74,5 @@ def test_the_dimensions_of_a_model_s_circle_have_the_digits_of_the_table():
     measures, words = shipid.measure(trial), {text.get_text() for text in _drawn(trial).texts}
     for name in ("advance", "transfer", "tactical_diameter"):
         value = getattr(measures, name)
-        assert value < 100 and f"{name.replace('_', ' ')} {value:.3g} m" in words
+        shown = measures.told(name, value, "m")
+        assert value < 100 and shown.startswith(f"{value:.3g}"[:3]) and f"{name.replace('_', ' ')} {shown} m" in words
