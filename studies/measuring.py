@@ -3,7 +3,8 @@
 Simulated: a Nomoto ship (K 0.08 1/s, tau 12 s) sails 20/20 zig-zags in steps of 0.01 s. Asked of logs at 10, 1 and 0.5 Hz, with
 a quick and a slow rudder, the order logged or not, with and without noise: no mean error beyond 0.1 deg, at least 90 % of the
 overshoots within the 95 % uncertainty stated, nothing stated inside a gap, and a turning circle in a current within 1 % of
-the one in still water.
+the one in still water. Of advance, transfer and tactical diameter of two ships, 60 circles each under three noises of fixes and compass:
+88 % or more within the 95 % uncertainty stated (95 % less two and a half standard errors of so few).
 
 Real: the facts tabulated with the trials, within 0.3 deg and 1 %. They were read where the rudder has left its plate, so they are
 compared in that reading (`execute="moved"`); what the order gives stands beside them.
@@ -135,6 +136,30 @@ def currents() -> Iterator[Row]:
             )  # fmt: skip
 
 
+def distances(runs: int) -> Iterator[Row]:
+    """How often the distances of a circle without noise lie within the uncertainty that is stated under noise."""
+    for model, ship, sampling in (("norrbin", "zeefakkel", "0.2 s"), ("de-keizer", "soesterberg", "1 s")):
+        truth = measure(shipid.simulate(model, ship, "turn:35", sampling=sampling))
+        for compass, fixes in (("0.2 deg", "10 m"), ("0.2 deg", "1 m"), ("1 deg", "2 m")):
+            noise = f"psi={compass},x={fixes},y={fixes}"
+            found = [
+                measure(shipid.simulate(model, ship, "turn:35", sampling=sampling, noise=noise, seed=k))
+                for k in range(runs)
+            ]
+            held, wide = [], []
+            for name in ("advance", "transfer", "tactical_diameter"):
+                off = np.array([getattr(one, name) - getattr(truth, name) for one in found])
+                stated = np.array([getattr(one, f"{name}_uncertainty") for one in found])
+                held.append(float(np.mean(np.abs(off) <= stated)))
+                wide.append(float(np.median(stated) / np.std(off)))
+            yield Row(
+                f"{ship}, circle, fixes {fixes}, compass {compass}",
+                "88 % or more of each distance within",
+                f"{', '.join(f'{h:.0%}' for h in held)}; half widths {', '.join(f'{w:.1f}' for w in wide)} times the scatter",
+                min(held) >= 0.88,
+            )
+
+
 @dataclass(frozen=True)
 class Fact:
     """A zig-zag, and what is tabulated of it."""
@@ -235,6 +260,7 @@ if __name__ == "__main__":
     parser.add_argument("--json", action="store_true")
     asked = parser.parse_args()
     rows = [*simulated(3 if asked.short else 20), *holes(), *currents()]
+    rows += [] if asked.short else distances(60)
     absent = "" if asked.short or asked.data.is_dir() else f"The real trials are not at {asked.data}."
     if not asked.short and asked.data.is_dir():
         rows += real(asked.data)
