@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -136,8 +136,7 @@ class Criterion(Result):
         """
         if side.value is None:
             return side.words.partition(":")[0]
-        band = "" if side.band95 is None else " ({} to {})".format(*(decimals(end, self.unit) for end in side.band95))
-        return f"{decimals(side.value, self.unit)}{band}"
+        return decimals(side.value, self.unit, side.band95)
 
     @property
     def within(self) -> bool | None:
@@ -269,8 +268,7 @@ def spiral_words(spiral: Mapping[str, Plain]) -> str:
     else:
         words += f"; half width of the loop {decimals(spiral['half_width']['value'], 'deg')} deg"
         words += "" if height is None else f", height {number(height, 3)} deg/s"
-    ends = "" if band is None else " ({} to {})".format(*(decimals(end, "deg") for end in band))
-    words += f"; width {decimals(spiral['loop_width']['value'], 'deg')}{ends} deg, {spiral['limit_text']}"
+    words += f"; width {decimals(spiral['loop_width']['value'], 'deg', band)} deg, {spiral['limit_text']}"
     if spiral["within"] is None and spiral["words"]:
         return f"{words}, not decided: {spiral['words']}"
     beside = f"; {spiral['words']}" if spiral["words"] else ""
@@ -278,8 +276,8 @@ def spiral_words(spiral: Mapping[str, Plain]) -> str:
     return f"{words}{beside}{verdict}"
 
 
-def decimals(value: float, unit: str) -> str:
-    """Return a value of a criterion with the digits it is told in everywhere, an ASCII minus sign.
+def decimals(value: float, unit: str, band: Sequence[float] | None = None) -> str:
+    """Return a value of a criterion with the digits it is told in everywhere, and its band where it has one; an ASCII minus sign.
 
     Parameters
     ----------
@@ -287,8 +285,15 @@ def decimals(value: float, unit: str) -> str:
         In its unit.
     unit : str
         The unit, L or deg.
+    band : sequence of float, optional
+        Its ends. A narrow one has up to two decimals more, so that it is seen.
     """
-    return fixed(value, _DECIMALS[unit]).replace("−", "-")
+    places = _DECIMALS[unit]
+    if band is None:
+        return fixed(value, places).replace("−", "-")
+    if band[0] != band[1]:
+        places = next((k for k in (places, places + 1) if fixed(band[0], k) != fixed(band[1], k)), places + 2)
+    return f"{fixed(value, places)} ({fixed(band[0], places)} to {fixed(band[1], places)})".replace("−", "-")
 
 
 def _short(cell: str) -> str:

@@ -12,6 +12,7 @@ import shipid
 from shipid.criteria.criteria import (
     Criterion,
     CriterionSide,
+    decimals,
     first_overshoot_limit,
     loop_width_limit,
     second_overshoot_limit,
@@ -311,3 +312,17 @@ def test_an_extrapolated_verdict_says_so_everywhere():
     assert "25 deg                   within, extrapolated" in found.text()
     page = render(found)
     assert "Within the limit by extrapolation: advance; tactical diameter; 20/20 first overshoot." in page
+
+
+@pytest.mark.parametrize(
+    ("band", "text"),
+    [
+        (None, "6.0"),
+        ((4.96, 7.02), "6.0 (5.0 to 7.0)"),
+        ((5.971, 6.028), "6.00 (5.97 to 6.03)"),
+        ((5.9997, 6.0002), "6.000 (6.000 to 6.000)"),
+        ((6.0, 6.0), "6.0 (6.0 to 6.0)"),
+    ],
+)
+def test_a_narrow_band_has_the_digits_that_show_it(band, text):
+    assert decimals(6.0, "deg", band) == text
