@@ -160,6 +160,32 @@ def distances(runs: int) -> Iterator[Row]:
             )
 
 
+def abilities(runs: int) -> Iterator[Row]:
+    """How often the initial turning ability of a 10/10 without noise lies within the uncertainty that is stated under noise."""
+    for model, ship, sampling in (("norrbin", "zeefakkel", "0.2 s"), ("de-keizer", "soesterberg", "1 s")):
+        fine = shipid.simulate(model, ship, "zigzag:10/10", sampling="0.02 s").table
+        begin = int(np.argmax(fine["delta_order"].to_numpy() > 0))
+        heading = fine["psi"].to_numpy() - fine["psi"].to_numpy()[0]
+        there = int(np.argmax(heading >= np.radians(10)))
+        speed = np.hypot(fine["u"], fine.get("v", 0.0)).to_numpy()[begin : there + 1]
+        truth = float(np.trapezoid(speed, fine["t"].to_numpy()[begin : there + 1]))
+        for compass, log in (("0.2 deg", "0.1 m/s"), ("1 deg", "0.1 m/s"), ("0.1 deg", "0.5 m/s")):
+            trials = (
+                shipid.simulate(model, ship, "zigzag:10/10", sampling=sampling, noise=f"psi={compass},u={log}", seed=k)
+                for k in range(runs)
+            )
+            found = [measure(trial) for trial in trials]
+            off = np.array([one.initial_turning_ability - truth for one in found])
+            stated = np.array([one.initial_turning_ability_uncertainty for one in found])
+            held = float(np.mean(np.abs(off) <= stated))
+            yield Row(
+                f"{ship}, initial turning ability, compass {compass}, log {log}",
+                "88 % or more within",
+                f"{held:.0%}; {truth:.0f} m off by {np.mean(off):+.1f} ± {np.std(off):.1f} m, half width {np.median(stated):.1f} m",
+                held >= 0.88,
+            )
+
+
 @dataclass(frozen=True)
 class Fact:
     """A zig-zag, and what is tabulated of it."""
@@ -260,7 +286,7 @@ if __name__ == "__main__":
     parser.add_argument("--json", action="store_true")
     asked = parser.parse_args()
     rows = [*simulated(3 if asked.short else 20), *holes(), *currents()]
-    rows += [] if asked.short else distances(60)
+    rows += [] if asked.short else [*distances(60), *abilities(60)]
     absent = "" if asked.short or asked.data.is_dir() else f"The real trials are not at {asked.data}."
     if not asked.short and asked.data.is_dir():
         rows += real(asked.data)

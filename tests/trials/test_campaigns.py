@@ -13,7 +13,7 @@ from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.logs.reading import read_trial
 from shipid.trials.measuring.measure import measure
-from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.measuring.zigzags.swings import overshoots_of
 from shipid.trials.signals.series import smoothed
 from shipid.trials.stretches import stretches_of
 

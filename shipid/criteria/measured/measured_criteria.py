@@ -140,18 +140,19 @@ def _zigzag(number: int, zigzag: ZigZag, length: float | None) -> Iterator[Measu
     unknown = "the ship length is not stated" if length is None else "the approach speed is not known"
     ten = zigzag.nominal == "10/10"
     if ten:
+        ability, off = zigzag.initial_turning_ability, zigzag.initial_turning_ability_uncertainty
         yield _criterion(
             "initial_turning",
             "initial turning, 10 deg by 10 deg",
             "L",
             number,
-            zigzag.initial_turning_distance / length if zigzag.initial_turning_distance and length else None,
-            None,
+            None if ability is None or length is None else ability / length,
+            None if off is None or length is None else off / length,
             2.5,
             "2.5 L",
             "the ship length is not stated"
             if length is None
-            else zigzag.reason("initial_turning_distance") or "the track is not known",
+            else zigzag.reason("initial_turning_ability") or "the track is not known",
         )
     rules = (first_overshoot_limit, second_overshoot_limit) if ten else (None,)
     for k, rule in enumerate(rules):

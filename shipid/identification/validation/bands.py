@@ -30,7 +30,7 @@ from shipid.identification.validation.trial_measures import measured_circle
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.track import driven_until
-from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.measuring.zigzags.swings import overshoots_of
 from shipid.trials.trial import Trial
 
 #: Samples of a circle that are enough to measure it.

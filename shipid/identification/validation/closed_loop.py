@@ -25,7 +25,7 @@ from shipid.trials.filling import interpolated
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.executes import first_execute, leaves
 from shipid.trials.measuring.rudder.steering import rate_of, steering_of
-from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.measuring.zigzags.swings import overshoots_of
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import channel_of
 from shipid.trials.signals.plates import plates, regular

@@ -30,7 +30,7 @@ from shipid.identification.validation.trial_measures import TrialMeasures, exami
 from shipid.parts.sensors import shown_by
 from shipid.trials.filling import samples_of
 from shipid.trials.measuring.results.turning_circle import TurningCircle
-from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.measuring.zigzags.swings import overshoots_of
 from shipid.trials.stretches import is_note
 from shipid.trials.trial import Trial
 

@@ -25,7 +25,7 @@ from shipid.trials.measuring.rudder.executes import leaves
 from shipid.trials.measuring.rudder.steering import Steering, check_rudder, rate_of, steering_of
 from shipid.trials.measuring.spiral import is_spiral, measure_spiral
 from shipid.trials.measuring.turn import measure_turn, turning_plate
-from shipid.trials.measuring.zigzag import measure_zigzag
+from shipid.trials.measuring.zigzags.measure_zigzag import measure_zigzag
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.signals.ship_length import length_notice

@@ -53,7 +53,7 @@ def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: 
     near = slice(max(0, k - 2), min(len(psi.t), k + 2))
     slope = float(np.polyfit(psi.t[near] - psi.t[k], psi.y[near], 1)[0])
     parts = [abs(slope) * execute.within]
-    scatter = _scatter(logged.y)
+    scatter = scatter_of(logged.y)
     averaged = max(1, int(np.sum(np.abs(psi.t - execute.time) <= half)))
     parts.append(2 * scatter * np.sqrt(2 / averaged))
     for when in (execute.time, top):
@@ -103,7 +103,7 @@ def distance_uncertainties(
         By names such as ``advance_uncertainty`` and ``advance_still_water_uncertainty``.
     """
     fixes = NORMAL_95 * np.sqrt(2) * way.scatter()
-    heading = NORMAL_95 * _scatter(psi.y)
+    heading = NORMAL_95 * scatter_of(psi.y)
     averaged = max(1.0, float(np.sum(np.abs(psi.t - way.when) <= way.calm)))
     # At the end of a straight line through as many samples its variance is four times that of their mean.
     course, turned = 2 * heading / np.sqrt(averaged), heading / np.sqrt(max(1.0, 0.5 * averaged))
@@ -131,8 +131,14 @@ def distance_uncertainties(
     return known
 
 
-def _scatter(y: np.ndarray) -> float:
-    """Scatter from sample to sample: the median of the third differences, which motion leaves small."""
+def scatter_of(y: np.ndarray) -> float:
+    """Return the scatter from sample to sample: by the median of the third differences, which motion leaves small.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n,)
+        The series.
+    """
     if len(y) < 8:
         return 0.0
     return float(1.4826 * np.median(np.abs(np.diff(y, 3))) / np.sqrt(20))

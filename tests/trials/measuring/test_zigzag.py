@@ -10,7 +10,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.measuring.measure import measure
-from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.measuring.zigzags.swings import overshoots_of
 from shipid.trials.trial import Trial
 
 
@@ -383,3 +383,48 @@ def test_a_heading_that_may_be_off_by_a_factor_is_told(logged):
     frame["psi [deg]"] = frame["psi [deg]"] * 1.05
     found = measure(Trial.from_frame(frame.assign(**{"r [deg/s]": rate}), name="factor"))
     assert any(note.kind == "rate-scale" and "if it is not the heading" in note for note in found.notes)
+
+
+def until(sailed, angle, **settings):
+    """Track from the order until the heading has changed by so many degrees, of a zig-zag sailed without noise at 8 m/s."""
+    t, psi, *_, orders, _ = sailed(**settings)
+    return 8.0 * float(t[np.argmax(np.abs(psi - psi[0]) >= angle)] - orders[0])
+
+
+@pytest.mark.parametrize("switch", [9.0, 10.0, 11.8])
+def test_the_ability_to_turn_is_that_of_the_ship_and_not_of_whoever_reverses_the_rudder(logged, sailed, switch):
+    settings = {"switch": switch}
+    found = measure(logged(order=True, **settings)[0], length="50 m")
+    # With the rudder reversed at 9 deg, she turns on to 10 within 2 s.
+    truth = until(sailed, 10.0, switch=10.0)
+    assert found.nominal == "20/10"
+    assert found.initial_turning_ability == pytest.approx(truth, abs=found.initial_turning_ability_uncertainty)
+    assert found.initial_turning_ability_uncertainty < 4.0
+    assert found.initial_turning_ability_ratio == pytest.approx(found.initial_turning_ability / 50)
+    assert found.initial_turning_distance == pytest.approx(until(sailed, switch, **settings), abs=4.0)
+    assert "initial turning ability" in found.text() and "±" in found.text()
+
+
+def test_a_rudder_reversed_far_too_early_shows_no_ability_to_turn(logged):
+    found = measure(logged(order=True, switch=8.0)[0])
+    assert found.initial_turning_distance is not None and found.initial_turning_ability is None
+    assert "reversed before the heading had changed by 10 deg" in found.reasons["initial_turning_ability"]
+
+
+@pytest.mark.parametrize(("noise", "interval"), [(0.2, 0.5), (1.0, 0.5), (0.5, 1.0)])
+def test_the_uncertainty_of_the_ability_to_turn_holds_the_truth(logged, sailed, noise, interval):
+    settings = {"switch": 10.0, "order": True}
+    truth = until(sailed, 10.0, switch=10.0)
+    found = [measure(logged(noise=noise, interval=interval, seed=k, **settings)[0]) for k in range(40)]
+    off = np.array([one.initial_turning_ability - truth for one in found])
+    stated = np.array([one.initial_turning_ability_uncertainty for one in found])
+    assert np.mean(np.abs(off) <= stated) >= 0.9
+    assert np.median(stated) < 4 * np.std(off) + 8.0 * interval
+
+
+def test_a_hole_before_the_heading_has_changed_hides_the_ability_to_turn(logged):
+    trial, orders, _ = logged(order=True, switch=10.0)
+    table = trial.table.copy()
+    table.loc[table["t"].between(orders[0] + 2, orders[1] - 2), "u"] = np.nan
+    found = measure(Trial(trial.name, table, trial.source))
+    assert found.initial_turning_ability is None and "in the speed" in found.reasons["initial_turning_ability"]

@@ -16,7 +16,7 @@ from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
 from shipid.trials.measuring.results.measures import Measures
-from shipid.trials.measuring.results.turning_circle import BESIDE_DISTANCES, TurningCircle
+from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
 _GROUPS = (
@@ -193,7 +193,7 @@ def _single(measures: Measures) -> Iterator[Row]:
             isinstance(value, tuple)
             or (value is None and reason is None)
             or name.endswith(_RATIO)
-            or name in BESIDE_DISTANCES
+            or name in measures.told_beside()
         ):
             continue
         ratio = known.get(f"{name.removesuffix('_distance')}{_RATIO}")

@@ -13,7 +13,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, notice_of, plain_notices
-from shipid.foundation.numbers import fixed
+from shipid.foundation.numbers import fixed, uncertain_text
 from shipid.foundation.result import DrawnResult
 from shipid.trials.trial import Trial
 
@@ -25,6 +25,8 @@ _DECIMALS = 3
 _THREE = ("m", "m/s", "1", "deg/s")
 #: Signs of a page, and what a terminal has in their place.
 _PLAIN = str.maketrans("−–", "--")
+#: An uncertainty of less than this share of a number is none that its digits show.
+_SHOWN = 0.0005
 #: Directions from 0 to 360 deg.
 _AROUND_COMPASS = ("course", "drift_direction")
 
@@ -191,7 +193,7 @@ class Measures(DrawnResult):
         lines = []
         for name, value, unit, _ in self.quantities():
             reason = self.reason(name)
-            if name in (*without, *self.columns) or (
+            if name in (*without, *self.columns, *self.told_beside()) or (
                 reason is None and (value is None or (isinstance(value, tuple) and not value))
             ):
                 continue
@@ -203,7 +205,7 @@ class Measures(DrawnResult):
         return lines
 
     def told(self, name: str, value: float, unit: str) -> str:
-        """Return one number of a quantity as a terminal and a page print it, without its unit, an ASCII minus sign.
+        """Return one number of a quantity as a terminal and a page print it, with its uncertainty, without its unit, an ASCII minus sign.
 
         Parameters
         ----------
@@ -214,8 +216,18 @@ class Measures(DrawnResult):
         unit : str
             That unit.
         """
+        of = name.removesuffix("_ratio")
+        off = getattr(self, f"{of}_uncertainty", None)
+        if off is not None and (whole := getattr(self, of)) and off >= _SHOWN * abs(whole):
+            return uncertain_text(value, off * value / whole)
         # Three digits, as a course is spoken: 359.98 deg is 000.0 deg.
         return f"{round(value, 1) % 360:05.1f}" if name in _AROUND_COMPASS else measured(value, unit)
+
+    @classmethod
+    def told_beside(cls) -> tuple[str, ...]:
+        """Return the uncertainties that are told with the quantity they belong to."""
+        names = [entry.name for entry in fields(cls)]
+        return tuple(name for name in names if name.removesuffix("_uncertainty") in set(names) - {name})
 
     def _shown(self, name: str, value: Plain, unit: str) -> str:
         tail = "" if unit == "1" else " " + pretty(unit)

@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 from typing import ClassVar
 
 from shipid.declaration.vocabulary import to_display
-from shipid.foundation.numbers import last_place, uncertain_text
+from shipid.foundation.numbers import last_place
 from shipid.trials.measuring.results.measures import Measures, quantity, words
-
-#: Uncertainties that are told with their distances.
-BESIDE_DISTANCES = tuple(
-    f"{name}{still}_uncertainty"
-    for still in ("", "_still_water")
-    for name in ("advance", "transfer", "tactical_diameter")
-)
-#: An uncertainty of less than this share of a distance is none that its digits show.
-_SHOWN = 0.0005
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -91,7 +81,7 @@ class TurningCircle(Measures):
     pull_out_rate: float | None = quantity("rad/s", "rate of turn left after the pull-out, to starboard")
 
     def told(self, name: str, value: float, unit: str) -> str:
-        """Return one number as `Measures.told` does; a distance with its uncertainty, the drift in the digits that its own allows.
+        """Return one number as `Measures.told` does, the drift in the digits that its own allows.
 
         Parameters
         ----------
@@ -102,16 +92,8 @@ class TurningCircle(Measures):
         if name in ("drift_speed", "drift_uncertainty") and within is not None and within > 0:
             place = last_place(float(to_display(within, name, "m/s")))
             return f"{round(value, place) + 0.0:.{max(0, place)}f}"
-        of = name.removesuffix("_ratio")
-        off = getattr(self, f"{of}_uncertainty", None)
-        if off is not None and (whole := getattr(self, of)) and off >= _SHOWN * abs(whole):
-            return uncertain_text(value, off * value / whole)
         # Of no circle is the direction known to a degree.
         return f"{round(value) % 360:03d}" if name == "drift_direction" else super().told(name, value, unit)
-
-    def _lines(self, without: Collection[str] = ()) -> list[str]:
-        """The quantities; the uncertainty of a distance stands with it."""
-        return super()._lines((*without, *BESIDE_DISTANCES))
 
     @property
     def title(self) -> str:

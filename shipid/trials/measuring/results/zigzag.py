@@ -27,6 +27,8 @@ class ZigZag(Measures):
         Why it may be no zig-zag, in words; empty where nothing speaks against it.
     heading, period, reach, initial_turning_time, initial_turning_distance, initial_turning_ratio : float or None
         See the meaning of each in `quantities`.
+    initial_turning_ability, initial_turning_ability_uncertainty, initial_turning_ability_ratio : float or None
+        The track until the heading has changed by the angle of the zig-zag, wherever the rudder was reversed.
     executes : tuple of float or None
         One a reversal.
     execute_headings, overshoots, overshoot_uncertainties, overshoots_moved, overshoots_set_out, extreme_headings, \
@@ -76,6 +78,13 @@ times_to_check_yaw : tuple of float or None
     initial_turning_time: float | None = quantity("s", "from the first to the second execute")
     initial_turning_distance: float | None = quantity("m", "track between first and second execute")
     initial_turning_ratio: float | None = quantity("1", "that track in ship lengths")
+    initial_turning_ability: float | None = quantity(
+        "m", "track from the first execute until the heading has changed by the angle of the zig-zag"
+    )
+    initial_turning_ability_uncertainty: float | None = quantity(
+        "m", "95 % uncertainty of that track: moment of the order, heading, scatter of the speed"
+    )
+    initial_turning_ability_ratio: float | None = quantity("1", "that track in ship lengths")
 
     @property
     def title(self) -> str:

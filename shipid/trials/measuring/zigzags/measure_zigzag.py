@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
-from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.faults import Faults
@@ -20,97 +18,18 @@ from shipid.trials.measuring.rudder.ends import begins_on_its_way, goes_on_from,
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.late import SettingOut, late_notes, not_told, setting_out, unseen_by, widened
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import distance_between, over_ground_notes, speed_channel
+from shipid.trials.measuring.track import over_ground_notes
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
+from shipid.trials.measuring.zigzags.beginning import Swing, in_lengths, measure_beginning
+from shipid.trials.measuring.zigzags.swings import WIDTH, half_period_of, swings
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import plates, regular
 from shipid.trials.trial import Trial
 
-_WIDTH = 0.03
-"""Local fits and averages span this share of the time between two reversals, on either side."""
-
 _BRIDGED = 0.1
 """Holes up to this share of the time between two reversals are bridged: a cubic through the samples on both sides is off by
 less than 0.1 deg there, at the top of a swing and where the rudder is reversed."""
-
-
-def overshoots_of(
-    t: np.ndarray,
-    psi: np.ndarray,
-    executes: Sequence[float],
-    *,
-    side: int | None = None,
-    end: float | None = None,
-) -> tuple[float | None, ...]:
-    """Return the overshoot angle after each execute: how far the heading goes on beyond its value there.
-
-    With the executes of a measured trial and a predicted heading, these are the predicted overshoots.
-
-    Parameters
-    ----------
-    t, psi : array_like, shape (n,)
-        Time [s] and heading, unwrapped [rad].
-    executes : sequence of float, length m
-        Times of the rudder reversals [s]: the second execute and on.
-    side : {1, -1}, optional
-        Side to which the heading overshoots after the first of them (1 is starboard); None reads it from the
-        heading.
-    end : float, optional
-        When the last swing ends [s]; the end of the record by default.
-
-    Returns
-    -------
-    tuple of float or None, length m
-        Overshoot angles [rad]; None where the record ends before the heading turns back.
-    """
-    t, psi = np.asarray(t, dtype=float), np.asarray(psi, dtype=float)
-    return tuple(swing[0] for swing in swings(t, psi, executes, side=side, end=end))
-
-
-def swings(
-    t: np.ndarray, psi: np.ndarray, executes: Sequence[float], *, side: int | None, end: float | None
-) -> list[tuple[float | None, float | None, float]]:
-    """Return overshoot [rad], time of the extreme heading [s] and heading at the execute [rad], a reversal each.
-
-    Parameters
-    ----------
-    t, psi, executes, side, end
-        As for `overshoots_of`.
-    """
-    if not len(executes):
-        return []
-    stop = float(t[-1]) if end is None else end
-    bounds = [*(float(e) for e in executes), stop]
-    half = _WIDTH * _half_period(bounds)
-    at = [series.value_at(t, psi, when, half, 1) for when in bounds[:-1]]
-    first = side or _first_side(t, psi, at, bounds[0])
-    result: list[tuple[float | None, float | None, float]] = []
-    for k, (start, finish) in enumerate(pairwise(bounds)):
-        sign = first * (-1) ** k
-        a, b = np.searchsorted(t, [start, finish], side="left")
-        stretch = slice(int(a), min(int(b) + 1, len(t)))
-        top = series.maximum(t[stretch], sign * psi[stretch], half)
-        if top is None:
-            result.append((None, None, at[k]))
-        else:
-            result.append((max(0.0, top[1] - sign * at[k]), top[0], at[k]))
-    return result
-
-
-def _half_period(bounds: Sequence[float]) -> float:
-    # The last bound is the end of the record, not a reversal; alone it still gives the order of magnitude.
-    steps = np.diff(bounds[:-1]) if len(bounds) > 2 else np.diff(bounds)
-    return max(float(np.median(steps)), 0.0)
-
-
-def _first_side(t: np.ndarray, psi: np.ndarray, at: Sequence[float], start: float) -> int:
-    """The side the heading has gone to by the first reversal."""
-    if len(at) > 1:
-        signs = (-1.0) ** np.arange(len(at))
-        return 1 if float(signs @ (np.array(at) - np.mean(at))) >= 0 else -1
-    before = psi[t <= start]
-    return 1 if not before.size or at[0] >= before[0] else -1
 
 
 def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faults: Faults) -> ZigZag:
@@ -160,7 +79,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
             )
     when = [e.time for e in executes]
     end = steering.after(held[-1])
-    half_period = _half_period([*when, end])
+    half_period = half_period_of([*when, end])
     psi = logged.bridged(_BRIDGED * half_period)
     side = held[0].side
     found = swings(psi.t, psi.y, when, side=side, end=end)
@@ -187,7 +106,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     if steering.reading == "order" and not steering.logged and steering.rate is not None:
         by_rudder = replace(steering, reading="moved")
         later = [
-            series.value_at(psi.t, psi.y, leaves(by_rudder, plate).time, _WIDTH * half_period, 1) for plate in held[:-1]
+            series.value_at(psi.t, psi.y, leaves(by_rudder, plate).time, WIDTH * half_period, 1) for plate in held[:-1]
         ]
         beyond_moved = tuple(
             None if swing[0] is None or not ok else max(0.0, float(swing[0] + s * (h - v)))
@@ -197,25 +116,27 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     beside = _from_setting_out(late, psi, side, end, known)
     tops = tuple(swing[1] if ok else None for swing, ok in zip(found, known))
     first = start[0] if start is not None else None
-    half = _WIDTH * half_period
+    half = WIDTH * half_period
     stated = tuple(
         None if beyond is None else overshoot_uncertainty(psi, logged, e, top, half)
         for beyond, top, e in zip(overshoots, tops, executes)
     )
     # In a long hole of the rudder on its first plate it may have gone to the other side and back.
     silent = None if first is None else steering.channel.hole(first.time, executes[0].time, 0.5 * half_period)
-    beginning = _beginning(trial, psi, course, side, first, executes[0], faults, reasons, half, silent)
     shown = [e.time if e.hole is None else None for e in executes]
     cycles = [b - a for a, b in zip(shown, shown[2:]) if a is not None and b is not None]
-    distance = beginning["initial_turning_distance"]
     angle_held = float(np.median([abs(plate.angle) for plate in held]))
     # The middle between the sides: a rudder that reads some degrees to one side was ordered alike to both.
     ordered_angle = 0.5 * sum(max(abs(plate.angle) for plate in held if plate.side == sign) for sign in (1, -1))
     switch = float(np.median(signs * (ordered - course)))
+    apart = 0.0
     if late is not None and late.doubtful:
+        apart = (1 + late.about) * abs(float(np.median(np.subtract(late.times, when))))
         # Stamps that are early show headings that were not ordered.
         there = float(np.median(signs * (np.interp(late.times, psi.t, psi.y) - course)))
         switch = min(switch, there, key=lambda one: abs(np.degrees(one) - _nominal(one)))
+    swing = Swing(psi, course, side, float(np.radians(_nominal(switch))), half, apart)
+    beginning = measure_beginning(trial, swing, first, executes[0], faults, reasons, silent)
     doubt = steered_by_hand(
         [
             None if f"execute_headings[{k}]" in reasons else float(v)
@@ -250,7 +171,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         ),
         times_to_check_yaw=tuple(None if top is None else top - e for top, e in zip(tops, when)),
         period=float(np.mean(cycles)) if cycles else None,
-        initial_turning_ratio=None if distance is None or length is None else distance / length,
+        **in_lengths(beginning, length),
         reasons=reasons,
         notes=(*notes, *([Notice(f"it may be no zig-zag: {doubt}", "no-zigzag", serious=True)] if doubt else []), *slowed,
                *late_notes(late, beside, unseen_by(trial, steering), turning), *silent_in(steering, held, faults),
@@ -314,55 +235,6 @@ def _turns_back(psi: Channel, a: float, b: float, end: float) -> bool:
         return True
     one, two = (float(np.polyfit(psi.t[part] - psi.t[part][0], psi.y[part], 1)[0]) for part in (before, after))
     return one * two <= 0
-
-
-def _beginning(
-    trial: Trial,
-    psi: Channel,
-    course: float,
-    side: int,
-    first: Execute | None,
-    second: Execute,
-    faults: Faults,
-    reasons: dict[str, str],
-    half: float,
-    silent: tuple[float, float] | None,
-) -> dict[str, Plain]:
-    """What is measured from the first execute: approach speed, initial turning, reach."""
-    names = ("approach_speed", "first_execute", "initial_turning_time", "initial_turning_distance", "reach")
-    result: dict[str, Plain] = dict.fromkeys(names)
-    if first is None:
-        for name in names:
-            reasons[name] = "the record does not show the rudder setting out for the first angle it holds"
-        return result
-    if first.hole is not None:
-        for name in names:
-            reasons[name] = faults.hole("delta", first.hole)
-        return result
-    result["first_execute"] = first.time
-    hole = second.hole or silent
-    if hole is None:
-        result["initial_turning_time"] = second.time - first.time
-    else:
-        reasons["initial_turning_time"] = reasons["initial_turning_distance"] = faults.hole("delta", hole)
-    moving = speed_channel(trial, faults.wrong)
-    if moving is not None:
-        moving = moving.bridged(0.5 * second.time - 0.5 * first.time if moving.digit is None else 0.0)
-        if (hole := moving.hole(first.time)) is not None:
-            reasons["approach_speed"] = faults.hole(moving.name, hole)
-        else:
-            result["approach_speed"] = series.value_at(moving.t, moving.y, first.time, half, 1)
-        if (hole := moving.hole(first.time, second.time)) is not None:
-            reasons["initial_turning_distance"] = faults.hole(moving.name, hole)
-        elif second.hole is None and silent is None:
-            result["initial_turning_distance"] = distance_between(moving, first.time, second.time)
-    after = psi.t > second.time
-    back = series.crossing(psi.t[after], -side * (psi.y[after] - course), 0.0)
-    if back is not None and (hole := psi.hole(back)) is not None:
-        reasons["reach"] = faults.hole("psi", hole)
-    elif back is not None:
-        result["reach"] = back - first.time
-    return result
 
 
 def _course(psi: Channel, at: np.ndarray, side: int, first: float | None) -> tuple[float, list[str]]:

@@ -1,0 +1,1 @@
+"""Zig-zags: executes, swings, initial turning."""
