@@ -18,6 +18,8 @@ from shipid.identification.search.unseen import covariance_by
 
 #: Step in the logarithm of a level for differences of the information, and the largest move of a level.
 _STEP, _FARTHEST = 0.01, 1.0
+#: Steps towards the restricted maximum, and one after which no further is made: the information changes by a twenty-fifth.
+_STEPS, _CLOSE = 4, 0.02
 #: Fewer degrees of freedom are not told from these; so many are as good as normal.
 _FEWEST, MANY = 4.0, 1e6
 
@@ -83,12 +85,9 @@ def small_sample(
     # Where the maximum over the others goes when a level moves.
     moves = cover @ np.array(pulls).T
     added[inside] = 2 * moves @ spread @ moves.T
+    # Relative to the information its slopes hardly change with the levels, so that this pull stays as it is here.
     restricted = np.array([-0.5 * np.trace(cover @ slope) for slope in slopes])
-    better = q.copy()
-    better[levels] += np.clip(spread @ restricted, -_FARTHEST, _FARTHEST)
-    last = slopes_at(better)[1]
-    if not np.isfinite(last).all() or not last.any():
-        better, last = q, information
+    better, last = _restricted(slopes_at, (q, gradient, information), levels, restricted)
     # d(I^-1) = -I^-1 dI I^-1, on the diagonal; relative to the variance it hardly changes with the level.
     changes = np.array([np.einsum("ij,jk,ik->i", cover, slope, cover) for slope in slopes])
     variance = np.einsum("ki,kl,li->i", changes, spread, changes)
@@ -96,3 +95,29 @@ def small_sample(
     with np.errstate(divide="ignore"):
         degrees[others] = np.clip(2 * np.diag(cover) ** 2 / variance, _FEWEST, MANY)
     return SmallSample(better, last, np.where(np.isfinite(added), added, 0.0), degrees)
+
+
+def _restricted(
+    slopes_at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    found: tuple[np.ndarray, np.ndarray, np.ndarray],
+    levels: np.ndarray,
+    restricted: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The unknowns with the levels at the maximum of the restricted likelihood, and the information there: by Newton's steps."""
+    first, gradient, information = found
+    q = first
+    for _ in range(_STEPS):
+        cover = covariance_by(information)
+        known = np.isfinite(np.diag(cover))
+        pull = gradient.copy()
+        pull[levels] += restricted
+        moved = q.copy()
+        moved[levels] += (np.where(np.outer(known, known), cover, 0.0) @ pull)[levels]
+        moved[levels] = first[levels] + np.clip(moved[levels] - first[levels], -_FARTHEST, _FARTHEST)
+        gradient, there = slopes_at(moved)
+        if not np.isfinite(there).all() or not there.any():
+            break
+        step, q, information = np.abs(moved - q).max(), moved, there
+        if step < _CLOSE:
+            break
+    return q, information

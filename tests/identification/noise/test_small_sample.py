@@ -8,33 +8,35 @@ from shipid.identification.noise.small_sample import MANY, small_sample
 ROWS, COEFFICIENTS = 40, 4
 
 
-def slopes_at(design):
-    """Expected information of coefficients and of the logarithm of the standard deviation; coefficients at their best."""
+def slopes_at(design, level):
+    """Gradient and expected information of coefficients, at their best, and of a level at which the likelihood is largest."""
 
     def slopes(q):
-        whole = np.zeros((q.size, q.size))
+        gradient, whole = np.zeros(q.size), np.zeros((q.size, q.size))
+        gradient[-1] = len(design) * (np.exp(2 * (level - q[-1])) - 1)
         whole[:-1, :-1] = design.T @ design / np.exp(2 * q[-1])
         whole[-1, -1] = 2 * len(design)
-        return np.zeros(q.size), whole
+        return gradient, whole
 
     return slopes
 
 
-def test_the_level_moves_to_the_restricted_maximum_and_the_degrees_are_the_rows():
+@pytest.mark.parametrize("rows", [ROWS, 10])
+def test_the_level_moves_to_the_restricted_maximum_and_the_degrees_are_the_rows(rows):
     rng = np.random.default_rng(1)
-    slopes = slopes_at(rng.standard_normal((ROWS, COEFFICIENTS)))
     q = np.array([1.0, -2.0, 0.5, 0.1, np.log(0.3)])
+    slopes = slopes_at(rng.standard_normal((rows, COEFFICIENTS)), q[-1])
     found = small_sample(slopes, q, np.array([COEFFICIENTS]))
-    # The maximum likelihood divides by n; the restricted one by n - p, which is exp(p / n) to first order.
-    assert found.q[-1] - q[-1] == pytest.approx(COEFFICIENTS / (2 * ROWS), rel=0.02)
+    # The maximum likelihood divides the sum of squares by n; the restricted one by n - p.
+    assert found.q[-1] - q[-1] == pytest.approx(-0.5 * np.log(1 - COEFFICIENTS / rows), rel=0.05)
     assert found.q[:-1] == pytest.approx(q[:-1], abs=0)
     assert found.information == pytest.approx(slopes(found.q)[1])
     assert not found.added.any()
-    assert found.degrees[:-1] == pytest.approx(np.full(COEFFICIENTS, ROWS), rel=0.03)
+    assert found.degrees[:-1] == pytest.approx(np.full(COEFFICIENTS, rows), rel=0.03)
 
 
 def test_without_levels_nothing_changes():
-    slopes = slopes_at(np.eye(4))
+    slopes = slopes_at(np.eye(4), 0.0)
     q = np.zeros(5)
     found = small_sample(slopes, q, np.zeros(0, dtype=int))
     assert (found.degrees == MANY).all() and found.q is q
