@@ -16,6 +16,7 @@ from shipid.foundation.result import DrawnResult, Result, ResultEntry
 from shipid.trials.conditions import Conditions
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.spiral import MeasuredSpiral
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
@@ -165,8 +166,8 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
         listed = ", ".join("not known" if v is None else fixed(v, 2) for v in values[:_FIRST])
         left = f" (the first {_FIRST} of {len(values)})" if len(values) > _FIRST else ""
         yield f"overshoots {listed or 'none'} deg{left}; period {told('period')}"
-    elif "loop_width" in shown:
-        why = measures.reasons.get("loop_width") or getattr(measures, "no_loop", "")
+    elif isinstance(measures, MeasuredSpiral):
+        why = measures.reasons.get("loop_width") or measures.no_loop
         yield f"loop width {told('loop_width')}, loop height {told('loop_height')}" + (f": {why}" if why else "")
     elif "residual_rate" in shown:
         yield f"residual rate of turn {told('residual_rate')}"
