@@ -1,9 +1,10 @@
 """The bridge as a server: does it hold 10 Hz with predictions of 600 steps, how soon is a trial heading drawn, what does it cost?
 
 One `shipid bridge` runs as a process of its own on the simulated ship and is watched over its WebSocket, as a page does it. The time
-from a command to the tick that carries its track is that of the wire; a browser draws it in some 0.1 ms more. A second bridge sails
-eight hours on a clock factor; its memory at the end is compared with that after the first hour. The share of a core and the memory are
-those of Linux (``/proc``).
+from a command to the tick that carries its track is that of the wire; a browser draws it in some 0.1 ms more. Another is watched
+beside nine clients that are idle, do not read or send rubbish, and one that floods it (from a process of its own, which keeps one
+processor busy). A third sails eight hours on a clock factor; its memory at the end is compared with that after the first hour. The
+share of a core and the memory are those of Linux (``/proc``).
 
     python studies/bridge.py [--short] [--json]
 """
@@ -15,16 +16,19 @@ import json
 import math
 import os
 import re
+import socket
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from _table import Row, show
+from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 #: What is asked: frequency in Hz, seconds from a command to its track, share of a core, growth of the memory in MB.
@@ -156,6 +160,51 @@ def live(seconds: float, commands: int) -> list[Row]:
     ]  # fmt: skip
 
 
+def flood(address: str, until: float) -> int:
+    """Send commands as fast as they go, connecting anew each time the client is let go; returns how many were sent."""
+    sent = 0
+    while time.monotonic() < until:
+        try:
+            with connect(address, max_size=None) as ws:
+                while time.monotonic() < until:
+                    ws.send(("{", '{"command":"cancel"}', "[" * 2000)[sent % 3])
+                    sent += 1
+        except (OSError, WebSocketException):
+            continue
+    return sent
+
+
+def disturbed(seconds: float) -> list[Row]:
+    """Watch a bridge in real time with ten clients that are idle, stop reading, send half a request or rubbish, or flood it."""
+    with bridge() as running, connect(running.address, max_size=None) as ws:
+        turn(ws)
+        host, port = running.address.removeprefix("ws://").removesuffix("/ws").rsplit(":", 1)
+        plain = [socket.create_connection((host, int(port))) for _ in range(5)]
+        for one, sends in zip(
+            plain, (b"", b"", b"GET /ws HTTP/1.1\r\nHost: ", b"GET /ws HTTP/1.1\r\nX: ", b"\x16\x03\x01\x02\x00" * 100)
+        ):
+            one.sendall(sends)
+        deaf = [connect(running.address, max_size=None, max_queue=1) for _ in range(4)]
+        with ProcessPoolExecutor(1) as others:
+            flooding = others.submit(flood, running.address, time.monotonic() + seconds + 2)
+            watch(ws, 1.0)
+            gaps = np.diff(watch(ws, seconds))
+            taken = slide(ws, 5)
+            sent = flooding.result()
+        for one in (*plain, *(client.socket for client in deaf)):
+            one.close()
+    late = float(np.quantile(gaps, 0.95))
+    return [
+        Row(
+            "gap between two ticks with ten idle, deaf, malformed and flooding clients, 95 %",
+            "0.15 s or less",
+            f"{1000 * late:.0f} ms, at most {1000 * gaps.max():.0f} ms; {sent} messages in {seconds:.0f} s",
+            late <= 0.15,
+        ),
+        Row("a trial heading is answered meanwhile", "1 s or less", f"{1000 * taken.max():.0f} ms at most", bool(taken.max() <= 1.0)),
+    ]  # fmt: skip
+
+
 def endurance(hours: float) -> list[Row]:
     """Sail so many hours on a clock factor, and compare the memory."""
     with bridge("--clock-factor", str(_CLOCK)) as running, connect(running.address, max_size=None) as ws:
@@ -186,5 +235,9 @@ if __name__ == "__main__":
     parser.add_argument("--short", action="store_true", help="fewer seconds, half an hour instead of eight")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     chosen = parser.parse_args()
-    rows = live(5.0, 40) + endurance(0.5) if chosen.short else live(30.0, 200) + endurance(8.0)
+    rows = (
+        live(5.0, 40) + disturbed(5.0) + endurance(0.5)
+        if chosen.short
+        else live(30.0, 200) + disturbed(20.0) + endurance(8.0)
+    )
     show("The bridge as a server", rows, as_json=chosen.json)
