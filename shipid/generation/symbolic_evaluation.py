@@ -22,7 +22,7 @@ _SIGNS = (1.0, -1.0)
 _LOCK = threading.RLock()
 _CHOICE = (
     "A symbol is neither true nor false: write np.where(condition, a, b) for 'if', np.maximum and np.minimum for max and min, "
-    "np.logical_and and np.logical_or for 'and' and 'or'"
+    "np.logical_and and np.logical_or for 'and' and 'or', & and |"
 )
 _NUMBER = (
     "A symbol has no number: use NumPy's functions (np.sin for math.sin) and leave out float(), int() and np.array()"
@@ -57,7 +57,7 @@ class SymbolicEvaluation(Evaluation):
             text = str(error)
             advice = (
                 _CHOICE
-                if "truth value" in text
+                if "truth value" in text or "type(s) for &" in text or "type(s) for |" in text
                 else _NUMBER
                 if any(part in text for part in ("to_int", "with a sequence", _MARK))
                 else _OTHER

@@ -20,6 +20,8 @@ from shipid.foundation.aliases import Expression, PintUnit
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
 
 _SOME_NUMBER = 0.7311
+#: So many sets of numbers are tried for a finite result.
+_ATTEMPTS = 8
 #: Two values that differ by no more, relative to their size, are the same.
 _SAME = 1e-9
 
@@ -129,6 +131,7 @@ class _Checked(Evaluation):
             ) from error
         checked = _checked(result, wanted, where, equation.place, entry)
         self._same_without_units(entry, checked, where)
+        _finite_somewhere(entry, where)
         return checked
 
     def _same_without_units(self, entry: Entry, checked: Expression, where: str) -> None:
@@ -148,6 +151,27 @@ class _Checked(Evaluation):
             )
 
 
+def _finite_somewhere(entry: Entry, where: str) -> None:
+    """Refuse an equation that divides by zero, or calculates with no number, whatever is put into it."""
+    import numpy as np
+
+    assert entry.equation is not None
+    for attempt in range(_ATTEMPTS):
+        random = np.random.default_rng(attempt)
+        # Positive first, as speeds and lengths are; then of both signs.
+        low = 0.1 if attempt < _ATTEMPTS // 2 else -2.0
+        try:
+            found = np.asarray(entry.value(lambda _: np.float64(random.uniform(low, 2.0))), dtype=float)  # noqa: B023
+        except Exception:  # it needs the units; over symbols it fails with its own words
+            return
+        if np.isfinite(found).all():
+            return
+    raise DeclarationError(
+        f"{where} ({entry.equation.place}) gives no finite number, whatever is put into it: it divides by zero, or has NaN or "
+        "infinity in it."
+    )
+
+
 def _named(error: ShipidError, where: str, place: str) -> ShipidError:
     """The same error with the equation and its line before it, once."""
     text = str(error)
@@ -164,8 +188,16 @@ def _checked(result: Expression, wanted: str, where: str, place: str, entry: Ent
     if not hasattr(result, "dimensionality"):
         if result is None:
             raise DeclarationError(f"{where} ({place}) returns nothing: end it with 'return ...'.")
+        if isinstance(result, (str, tuple, list, set, dict)) or getattr(result, "ndim", 0):
+            raise DeclarationError(
+                f"{where} ({place}) returns a {type(result).__name__}, and {entry.name} is one number: return one value."
+            )
         # A bare zero is zero in any unit; any other bare number is a pure number.
         result = ureg.Quantity(result, unit if result == 0 else ureg.Unit(""))
+    if getattr(result.magnitude, "ndim", 0):
+        raise DeclarationError(
+            f"{where} ({place}) returns {result.magnitude.size} numbers, and {entry.name} is one: return one value."
+        )
     if result.dimensionality != unit.dimensionality:
         left = {"rate": f"d{entry.name}/dt", "next": f"the next {entry.name}"}.get(_kind(entry), entry.name)
         raise UnitError(

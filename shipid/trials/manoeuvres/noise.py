@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from zlib import crc32
 
 import numpy as np
 import pandas as pd
@@ -78,6 +79,21 @@ def parse_noise(text: str | Mapping[str, str | float] | None, own: Mapping[str, 
         if deviation > LARGEST_LEVEL:
             raise UsageError(f"the noise on {name} is {pairs[name]}, larger than any sensor's.")
     return deviations
+
+
+def own_seed(seed: int, trial: str) -> int:
+    """Return the seed of one trial: trials of one seed have noise that is not the same sample by sample.
+
+    Whoever fits several trials together takes their noise for independent.
+
+    Parameters
+    ----------
+    seed : int
+        The seed that was stated.
+    trial : str
+        What tells the trial from others, such as the manoeuvre and its speed.
+    """
+    return int(np.random.SeedSequence([seed, crc32(trial.encode())]).generate_state(1)[0])
 
 
 def measured(

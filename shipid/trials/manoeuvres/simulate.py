@@ -39,7 +39,7 @@ from shipid.trials.manoeuvres.flows import (
     parts_in_wind,
 )
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
-from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
+from shipid.trials.manoeuvres.noise import measured, noise_words, own_seed, parse_noise
 from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, driven_by, froude_share, wave_noise
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
@@ -114,7 +114,7 @@ def simulate(
     values : mapping of str to str or float, optional
         Values with units that replace those of the ship.
     seed : int
-        Of the noise and the random telegraph.
+        Of the noise and the random telegraph. Another manoeuvre, or another speed, has other noise under the same seed.
     name : str, optional
         Name of the trial.
 
@@ -159,6 +159,7 @@ def simulate(
     if lacking:
         raise lacking
 
+    own_noise = own_seed(seed, f"{manoeuvre}, {brief(u0, 4)} m/s")
     fine = steps_of_helm(interval, unit_time)
     if planned.duration / interval * fine > _MOST_STEPS:
         raise UsageError(
@@ -170,7 +171,9 @@ def simulate(
     acting: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
     if (sea := flow_of(waves, "waves", unit_of_waves)) is not None:
         frequency = FREQUENCY / froude_share(length)
-        push = wave_noise(t.size, np.array([interval / fine]), seed, frequency=frequency, heading=share * sea[0])[:, 0]
+        push = wave_noise(t.size, np.array([interval / fine]), own_noise, frequency=frequency, heading=share * sea[0])[
+            :, 0
+        ]
         known = known | {"wave_frequency": frequency, "wave_damping": DAMPING}
         acting |= {driven: push, "wave_direction": sea[1]}
     if planned.schedule:
@@ -200,7 +203,7 @@ def simulate(
     if shows:
         # The reading of an instrument has the waves already.
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if reading.get(n) == n}
-    table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
+    table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, own_noise)
     # What was held is known, and what reads the trial needs it: the loading, the revolutions of the propeller.
     beside, units = logged_beside(model, wind, known)
     table = table.assign(**{n: value for n, value in beside.items() if n not in table})

@@ -306,6 +306,52 @@ def test_an_equation_that_raises_or_returns_nothing_is_named() -> None:
         join("ship", Nothing)
 
 
+@pytest.mark.parametrize(
+    ("result", "said"),
+    [
+        (lambda s: (s.r / s.tau,), "returns a tuple, and r is one number"),
+        (lambda s: [s.r / s.tau], "returns a list, and r is one number"),
+        (lambda s: "r", "returns a str, and r is one number"),
+        (lambda s: np.zeros(3), "returns a ndarray, and r is one number"),
+        (lambda s: s.r / s.tau * np.ones(2), "returns 2 numbers, and r is one"),
+        (lambda s: s.r / s.tau / 0, "gives no finite number, whatever is put into it"),
+        (lambda s: s.r / s.tau * float("nan"), "gives no finite number, whatever is put into it"),
+        (lambda s: s.r / s.tau * np.log(-abs(s.a)), "gives no finite number, whatever is put into it"),
+    ],
+)
+def test_an_equation_that_gives_no_number_or_several_is_named(result, said) -> None:
+    class Odd(Component):
+        """Gives what is no rate of turn."""
+
+        r = state("rad/s", "rate of turn")
+        a = given("1", "something")
+        tau = parameter("s", "time constant", start=1.0)
+
+        @r.rate
+        def yaw(self):
+            """Anon (2000)."""
+            return result(self)
+
+    with pytest.raises(DeclarationError, match=rf"equation Odd\.yaw \(.*:\d+\) {said}"):
+        join("ship", Odd)
+
+
+def test_an_equation_that_is_finite_for_some_numbers_only_is_one() -> None:
+    class Odd(Component):
+        """The root of what is negative for most numbers."""
+
+        r = state("rad/s", "rate of turn")
+        a = given("1", "something")
+        tau = parameter("s", "time constant", start=1.0)
+
+        @r.rate
+        def yaw(self):
+            """Anon (2000)."""
+            return self.r / self.tau * np.sqrt(self.a - 1.2)
+
+    assert join("ship", Odd).inputs == ("a",)
+
+
 def test_comparisons_are_told_in_words_of_our_own() -> None:
     class Compared(Component):
         """Compares a length with a number."""

@@ -46,3 +46,22 @@ def test_noise_in_words() -> None:
     assert parse_noise("standard") == standard_noise()
     assert parse_noise("none") == parse_noise(None) == {}
     assert parse_noise({"psi": 0.01, "r": "1 deg/s"}) == pytest.approx({"psi": 0.01, "r": DEG})
+
+
+def scatter(manoeuvre, **how):
+    """The noise on the first hundred headings of a simulated trial, before and at the beginning of the manoeuvre [deg]."""
+    noisy, quiet = (
+        simulate("nomoto", "zeefakkel", manoeuvre, noise=noise, sampling="0.1 s", **how)["psi"][:100]
+        for noise in ("psi=0.2 deg", "none")
+    )
+    return np.degrees(noisy - quiet)
+
+
+def test_trials_of_one_seed_do_not_share_their_noise():
+    """Whoever fits them together takes it for independent: the same noise twice makes intervals too narrow by the root of two."""
+    ten, twenty, slow = scatter("zigzag:10/10"), scatter("zigzag:20/20"), scatter("zigzag:10/10", speed="2 m/s")
+    assert np.array_equal(ten, scatter("zigzag:10/10")) and not np.array_equal(ten, scatter("zigzag:10/10", seed=1))
+    # Three standard errors of a correlation of a hundred pairs.
+    for one, other in ((ten, twenty), (ten, slow), (twenty, slow)):
+        assert abs(np.corrcoef(one, other)[0, 1]) < 0.3
+        assert np.std(one) == pytest.approx(0.2, rel=0.25)
