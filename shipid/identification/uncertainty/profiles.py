@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 #: Half of the 95 % point of chi-square with one degree of freedom: the rise of the cost at the ends of the interval.
 _RISE = 0.5 * NORMAL_95**2
 _REACH = 4.0
+#: Standard deviations from the estimate at which the parabola of a published coefficient is measured.
+_NEAR = 0.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,15 +122,24 @@ def profile_of(identified: Identified, name: str, points: int = 17) -> Profile:
     others = Box(*(np.delete(part, at) for part in (box.start, box.low, box.high)))
     model = problem.model if gone == name else problem.model.impose([name])
     reduced = replace(problem, model=model, estimated=tuple(n for n in problem.estimated if n != gone))
-    excess = float(identified.covariance.excess[at])
-    excess = excess if np.isfinite(excess) and excess > 0 else 1.0
     low, high = (float(box.low[at]), float(box.high[at])) if gone == name else (-np.inf, np.inf)
 
-    def cost_at(value: float, start: np.ndarray) -> tuple[float, np.ndarray]:
+    def rise_at(value: float, start: np.ndarray) -> tuple[float, np.ndarray]:
         held = replace(reduced, fixed={**problem.fixed, name: value})
         found = minimise(held, start, others, most=40, tolerance=1e-6)
         lost = not (np.abs(found.residual) < RUNAWAY).all()
-        return np.inf if lost else max(0.0, (found.cost - solution.cost) / excess), found.q
+        return np.inf if lost else max(0.0, found.cost - solution.cost), found.q
+
+    excess = float(identified.covariance.excess[at])
+    if gone != name and estimate.std and np.isfinite(estimate.std):
+        # What follows from several has an excess of its own: near the estimate its profile is the parabola of its standard deviation.
+        near = [rise_at(estimate.value + side * _NEAR * estimate.std, solution.q[keep])[0] for side in (-1, 1)]
+        excess = float(np.mean(near)) / (0.5 * _NEAR**2)
+    excess = excess if np.isfinite(excess) and excess > 0 else 1.0
+
+    def cost_at(value: float, start: np.ndarray) -> tuple[float, np.ndarray]:
+        rise, there = rise_at(value, start)
+        return rise / excess, there
 
     size = abs(estimate.value) or 1.0
     step = min(estimate.std, 2 * size) if estimate.std else 0.5 * size

@@ -220,12 +220,16 @@ def _circle(
 
         return _over(identified, runs, (data.inputs[:, rows], np.diff(t, append=t[-1])), read)
 
-    point, *drawn = turned(runs, np.arange(len(trial)), trial["t"])
-    slow = [k for k, d in enumerate(drawn) if any(d.get(n) is None for n, v in point.items() if v is not None)]
+    found = turned(runs, np.arange(len(trial)), trial["t"])
+    # What was measured, or is predicted: a run that lacks any of it, the prediction itself too, is not through where the record ends.
+    wanted = [n for n in TURN if getattr(measured, n) is not None and (speed or n != "steady_speed")]
+    wanted += [n for n, value in found[0].items() if value is not None and n not in wanted]
+    slow = [k for k, one in enumerate(found) if any(one.get(n) is None for n in wanted)]
     if slow and (held := _held_on(trial, measured)) is not None:
-        longer = turned([runs.drawn[k] for k in slow], *held)
-        for k, found in zip(slow, longer):
-            drawn[k] = {n: found.get(n) if (own := drawn[k].get(n)) is None else own for n in TURN}
+        every_run = list(runs)
+        for k, longer in zip(slow, turned([every_run[k] for k in slow], *held)):
+            found[k] = {n: longer.get(n) if (own := found[k].get(n)) is None else own for n in (TURN if k else wanted)}
+    point, *drawn = found
     # A model that is told the speed turns at that of the approach: the ship loses some in a circle, and her path is shorter.
     lost = 0.0 if speed else _lost_speed(identified)
     result = {}

@@ -79,8 +79,11 @@ def test_the_bias_before_the_first_reversal_stays_near_that_of_the_fitted_trials
     trial = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)
     table, leg = trial.table.copy(), np.clip(trial["t"] / measure(trial).executes[0], 0, 1)
     table["psi"] += np.deg2rad(1.0) * leg
-    compared = fit.validate([replace(trial, table=table)]).validation[0]
-    assert np.rad2deg(compared.rmse["psi"]) == pytest.approx(1.0, abs=0.1)
+    fit = fit.validate([trial, replace(trial, table=table)])
+    calm, compared = fit.validation
+    # She is a degree off, and what the prediction is off by without the gust comes to it or goes from it.
+    off = np.rad2deg(calm.rmse["psi"])
+    assert off < 0.3 and 1.0 - off < np.rad2deg(compared.rmse["psi"]) < 1.0 + off
     assert np.rad2deg(compared.warm["psi"]) < 0.5
 
 
