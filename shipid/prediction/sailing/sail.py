@@ -40,7 +40,7 @@ from shipid.trials.manoeuvres.flows import (
     number,
     parts_in_wind,
 )
-from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
+from shipid.trials.manoeuvres.noise import measured, noise_words, own_seed, parse_noise
 from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source
@@ -176,10 +176,11 @@ def sail(
             f"{brief(run.departure.time, 4)} s after the start. A smaller rudder limit keeps it within its range."
         )
     deviations = parse_noise(noise)
-    table = measured({n: run[q][::fine] for n, q in recorded.items()}, t[::fine], deviations, seed)
+    said = ", ".join(f"{shown(h % (2 * np.pi), 'psi')} at {moment(w)} s" for w, h in orders)
+    draws = own_seed(seed, f"{said}, {brief(u0, 4)} m/s")
+    table = measured({n: run[q][::fine] for n, q in recorded.items()}, t[::fine], deviations, draws)
     beside, units = logged_beside(truth, wind, held)
     table = table.assign(**{n: value for n, value in beside.items() if n not in table})
-    said = ", ".join(f"{shown(h % (2 * np.pi), 'psi')} at {moment(w)} s" for w, h in orders)
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {truth.name}, ship {pilot.ship.name}, autopilot "
         f"({pilot.design}) ordered {said}, {brief(u0, 4)} m/s, noise {noise_words(deviations)}, seed {seed}"

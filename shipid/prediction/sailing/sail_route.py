@@ -46,7 +46,7 @@ from shipid.trials.manoeuvres.flows import (
     number,
     parts_in_wind,
 )
-from shipid.trials.manoeuvres.noise import measured, noise_words, parse_noise
+from shipid.trials.manoeuvres.noise import measured, noise_words, own_seed, parse_noise
 from shipid.trials.manoeuvres.sea import driven_by
 from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source, origin_words
@@ -352,7 +352,8 @@ def _voyage(
     seen = {n: n for n in RECORDED if n in columns}
     if run.waves is not None and run.pushed == "wave_noise":
         seen |= {"psi": "psi_seen", "r": "r_seen"}
-    table = measured({n: columns[q] for n, q in seen.items()}, t, deviations, seed)
+    draws = own_seed(seed, f"{route.name}, {brief(ship.speed, 4)} m/s")
+    table = measured({n: columns[q] for n, q in seen.items()}, t, deviations, draws)
     table = table.assign(**{n: value for n, value in beside[0].items() if n not in table})
     table = table.assign(psi_order=columns["psi_order"], off_track=off, waypoint=(to + 1).astype(float))
     arrived = run.helm.phase == "arrived"
