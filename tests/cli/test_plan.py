@@ -7,7 +7,6 @@ import json
 import pytest
 
 from shipid.cli import run
-
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
 
 QUICK = (
