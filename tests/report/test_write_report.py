@@ -3,6 +3,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import re
+from datetime import date
 from pathlib import Path
 
 import casadi
@@ -23,6 +24,17 @@ DATA = ROOT.parent / "shared" / "data" / "kvlcc2-marin"
 SECTIONS = ("coefficients", "equations", "trials", "criteria", "correlation", "noise", "provenance")
 
 
+DAY = date(2026, 5, 4)
+
+
+class OnThatDay(date):
+    """A calendar that shows it."""
+
+    @classmethod
+    def today(cls):
+        return DAY
+
+
 @pytest.fixture(scope="module")
 def text(fit, criteria):
     return render(fit, criteria=criteria)
@@ -31,7 +43,7 @@ def text(fit, criteria):
 @pytest.fixture(scope="module")
 def plain(fit):
     """The page without the criteria."""
-    return render(fit)
+    return render(fit, made=DAY)
 
 
 @pytest.fixture(scope="module")
@@ -174,7 +186,8 @@ def test_text_from_files_is_escaped(fit, read_page):
     assert "/some/where" not in text, "folders of the machine stay at home"
 
 
-def test_the_same_result_gives_the_same_bytes(fit, plain, tmp_path):
+def test_the_same_result_gives_the_same_bytes(fit, plain, tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "date", OnThatDay)
     assert write_report(fit, tmp_path / "a.html").read_bytes() == plain.encode()
 
 
