@@ -10,6 +10,7 @@ import functools
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from itertools import chain
 
 import casadi as ca
 import numpy as np
@@ -232,8 +233,10 @@ def run_many(
     if cores == 1:
         found = list(map(record, x0, inputs, steps, p, bias))
     else:
+        # A thread is given its share of the runs at once: handing over each by itself costs more than a short run takes.
+        shares = zip(*(np.array_split(part, cores) for part in (x0, inputs, steps, p, bias)))
         with ThreadPoolExecutor(cores) as pool:
-            found = list(pool.map(record, x0, inputs, steps, p, bias))
+            found = list(chain.from_iterable(pool.map(lambda share: list(map(record, *share)), shares)))
     n_y, n_q = len(record.outputs), len(record.unknowns)
     y, dy = np.empty((runs, n_y, count)), np.empty((runs, n_y, n_q, count))
     for i, (one, slope) in enumerate(found):

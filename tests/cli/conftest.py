@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from shipid.cli import run
+from shipid.report.figures import svg
 
 OWN_MODEL = '''
 from shipid import Component, given, parameter, state
@@ -117,6 +118,14 @@ def zigzag(tmp_path_factory) -> Path:
     return path
 
 
+@pytest.fixture(scope="session")
+def short(zigzag, tmp_path_factory) -> Path:
+    """Its first 100 s, for what does not depend on how well a coefficient is determined; the fit takes half of the time."""
+    path = tmp_path_factory.mktemp("short") / zigzag.name
+    path.write_text("\n".join(zigzag.read_text().splitlines()[:502]) + "\n")
+    return path
+
+
 @pytest.fixture
 def changed(zigzag, tmp_path):
     """Write the zig-zag with its header and rows changed."""
@@ -172,6 +181,13 @@ def own_model(own) -> Callable[..., Path]:
 def own_ship(own) -> Callable[..., Path]:
     """Write the parameter set."""
     return lambda *replacements: own(OWN_SHIP, "own_ship.toml", replacements)
+
+
+@pytest.fixture
+def undrawn() -> Iterator[None]:
+    """Pages without their figures, most of what a page costs: for what is written where and when, not for what a page shows."""
+    with svg.collected():
+        yield
 
 
 @pytest.fixture

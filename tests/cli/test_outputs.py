@@ -10,9 +10,10 @@ import shipid
 FILES = {"result.json", "ship.toml", "report.html"}
 
 
-def test_results_are_not_overwritten_without_being_asked(call, refused, zigzag, fitted, tmp_path):
+@pytest.mark.usefixtures("undrawn")
+def test_results_are_not_overwritten_without_being_asked(call, refused, short, fitted, tmp_path):
     out = tmp_path / "result"
-    arguments = ["identify", zigzag, *fitted, "--out", out]
+    arguments = ["identify", short, *fitted, "--out", out]
     first = call(*arguments)
     assert first.code == 0
     assert {p.name for p in out.iterdir()} == FILES
@@ -72,14 +73,15 @@ def test_folder_that_the_system_refuses(refused, zigzag, fitted, tmp_path, monke
 
 
 @pytest.mark.parametrize("failing", ["bad data", "writing", "interrupted"])
-def test_nothing_half_written(call, zigzag, fitted, tmp_path, monkeypatch, failing):
+@pytest.mark.usefixtures("undrawn")
+def test_nothing_half_written(call, short, fitted, tmp_path, monkeypatch, failing):
     import shipid.report.write_report
 
     def fail(*_, **__):
         raise KeyboardInterrupt if failing == "interrupted" else OSError(28, "No space left on device")
 
     out = tmp_path / "out"
-    arguments = ["identify", zigzag, *fitted, "--out", out]
+    arguments = ["identify", short, *fitted, "--out", out]
     if failing == "bad data":
         arguments += ["--window", "0:5"]
     else:
@@ -92,19 +94,20 @@ def test_nothing_half_written(call, zigzag, fitted, tmp_path, monkeypatch, faili
     assert not out.exists() or list(out.iterdir()) == []
 
 
-def test_interrupted_while_it_overwrites(call, zigzag, fitted, tmp_path, monkeypatch):
+@pytest.mark.usefixtures("undrawn")
+def test_interrupted_while_it_overwrites(call, short, fitted, tmp_path, monkeypatch):
     """Old results stay whole until new ones are whole."""
     import shipid.report.write_report
 
     out = tmp_path / "out"
-    assert call("identify", zigzag, *fitted, "--out", out).code == 0
+    assert call("identify", short, *fitted, "--out", out).code == 0
     before = {p.name: p.read_bytes() for p in out.iterdir()}
 
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(shipid.report.write_report, "write_report", interrupt)
-    assert call("identify", zigzag, *fitted, "--fix", "K=0.4 1/s", "--out", out, "--overwrite").code == 130
+    assert call("identify", short, *fitted, "--fix", "K=0.4 1/s", "--out", out, "--overwrite").code == 130
     assert {p.name: p.read_bytes() for p in out.iterdir()} == before
 
 
@@ -133,9 +136,9 @@ def test_trial_on_stdout(call, tmp_path):
 @pytest.mark.parametrize(
     "name", ["a trial with spaces.csv", "Versuch é 日本.csv", "<script>alert(1)<.csv", "a'b\"c&.csv"]
 )
-def test_name_of_a_trial(call, zigzag, fitted, tmp_path, name):
+def test_name_of_a_trial(call, short, fitted, tmp_path, name):
     log = tmp_path / name
-    log.write_text(zigzag.read_text())
+    log.write_text(short.read_text())
     out = tmp_path / "out"
     answer = call("identify", log, *fitted, "--json", "--out", out)
     assert answer.code == 0

@@ -1,9 +1,12 @@
 """``shipid plan``: the shape of its JSON, its text, and what it refuses."""
 
+import contextlib
+import io
 import json
 
 import pytest
 
+from shipid.cli import run
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
 
 QUICK = (
@@ -17,6 +20,14 @@ QUICK = (
     "--repertoire",
     "zigzag:20/10,telegraph:20",
 )
+
+
+@pytest.fixture(scope="module")
+def calm():
+    """The JSON of a short plan in calm water."""
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        assert run([*QUICK, "--time", "5min", "--json"]) == 0
+    return json.loads(out.getvalue())
 
 
 def test_json(call):
@@ -43,11 +54,10 @@ def test_text(call):
     assert "b3" not in answer.out
 
 
-def test_a_plan_in_a_current_and_a_wind(call, tmp_path):
+def test_a_plan_in_a_current_and_a_wind(call, calm, tmp_path):
     """The timetable, its sea room and the page are of the weather that is stated; the choice is that of calm water."""
     weather = ["--current", "2 kn to 0 deg", "--wind", "5 m/s from 90 deg", "--heading", "180 deg"]
     coefficients = ["--set", "N_w=5e-6 rad/m^2", "--set", "F_w=5e-6 1/m^2"]
-    calm = json.loads(call(*QUICK, "--time", "5min", "--json").out)
     told = json.loads(
         call(*QUICK, "--time", "5min", *weather, *coefficients, "--json", "--out", str(tmp_path / "p")).out
     )
@@ -66,8 +76,8 @@ def test_a_plan_in_a_current_and_a_wind(call, tmp_path):
         assert word in page
 
 
-def test_a_planned_manoeuvre_can_be_simulated(call):
-    leg = json.loads(call(*QUICK, "--time", "5min", "--json").out)["plan"][0]
+def test_a_planned_manoeuvre_can_be_simulated(call, calm):
+    leg = calm["plan"][0]
     answer = call(
         *("simulate", "norrbin", "--ship", "zeefakkel", "--manoeuvre", leg["manoeuvre"], "--seed", leg["seed"]),
         *("--speed", f"{leg['speed']['value']} m/s", "--duration", f"{leg['duration']['value']} s"),

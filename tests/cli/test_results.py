@@ -88,18 +88,18 @@ def test_shape_of_the_result(call, zigzag, second, fitted, tmp_path):
     assert len(result["manoeuvre"]["zigzag"]["overshoots"]["value"]) >= 4
 
 
-def test_trials_of_the_same_name_stand_apart(call, zigzag, second, fitted):
-    result = parse(call("identify", zigzag, second, *fitted, "--json").out)
+def test_trials_of_the_same_name_stand_apart(call, short, second, fitted):
+    result = parse(call("identify", short, second, *fitted, "--json").out)
     check_shape(result)
     assert list(result["fit"]) == ["zigzag", "zigzag-2"]
-    result = parse(call("identify", zigzag, *fitted, "--validate", second, "--json").out)
+    result = parse(call("identify", short, *fitted, "--validate", second, "--json").out)
     check_shape(result)
     assert [*result["fit"], *result["validation"]] == ["zigzag", "zigzag-2"]
 
 
-def test_options_of_identify(call, zigzag, fitted):
+def test_options_of_identify(call, short, fitted):
     def result_of(*options):
-        answer = call("identify", zigzag, *fitted, *options, "--json")
+        answer = call("identify", short, *fitted, *options, "--json")
         assert answer.code == 0
         return parse(answer.out)
 
@@ -108,15 +108,15 @@ def test_options_of_identify(call, zigzag, fitted):
     assert list(result_of("--signals", "psi")["fit"]["zigzag"]) == ["psi"]
     once, twice = result_of("--signals", "psi"), result_of("--signals", "psi,psi")
     assert once["parameters"] == twice["parameters"]
-    assert list(result_of("--window", ":200")["fit"]) == ["zigzag@0:200"]
+    assert list(result_of("--window", ":80")["fit"]) == ["zigzag@0:80"]
     given = result_of("--noise", "psi=0.2 deg,r=0.02 deg/s")
     assert given["noise"]["psi"]["value"] == pytest.approx(np.radians(0.2))
     assert all(b["value"] == 0 for b in result_of("--no-rudder-bias")["rudder_bias"].values())
 
 
-def test_search_that_fails_says_so_and_writes_what_it_knows(call, zigzag, fitted, tmp_path):
+def test_search_that_fails_says_so_and_writes_what_it_knows(call, short, fitted, tmp_path):
     """A time constant of zero: the model runs away whatever its gain."""
-    arguments = ["identify", zigzag, *fitted, "--fix", "tau=0 s", "--out", tmp_path]
+    arguments = ["identify", short, *fitted, "--fix", "tau=0 s", "--out", tmp_path]
     answer = call(*arguments, "--json")
     assert answer.code == 4
     assert answer.err.startswith("shipid: ")
@@ -148,6 +148,7 @@ def test_record_that_is_all_noise(call, changed, column, model, ship):
     assert "Warning" not in answer.err
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_identified_ship_is_a_ship(call, zigzag, fitted, tmp_path):
     """ship.toml holds the numbers of result.json, and whoever takes it gets them again."""
     answer = call("identify", zigzag, *fitted, "--json", "--out", tmp_path / "first")
@@ -231,11 +232,11 @@ def test_model_of_the_users_own(call, own_model, own_ship, tmp_path):
         assert abs(one["value"] - truth) < 4 * one["std"]
 
 
-def test_method_loss_check_and_posterior(call, zigzag, fitted):
+def test_method_loss_check_and_posterior(call, short, fitted):
     pytest.importorskip("emcee")
 
     def result_of(*options):
-        answer = call("identify", zigzag, *fitted, *options, "--json")
+        answer = call("identify", short, *fitted, *options, "--json")
         assert answer.code == 0, answer.err
         return parse(answer.out)
 
@@ -262,8 +263,8 @@ def test_method_loss_check_and_posterior(call, zigzag, fitted):
         (["--method", "equation-error", "--posterior", "4000"], "needs the likelihood of output error"),
     ],
 )
-def test_what_method_loss_and_posterior_refuse(call, zigzag, fitted, options, said):
+def test_what_method_loss_and_posterior_refuse(call, short, fitted, options, said):
     pytest.importorskip("emcee")
-    answer = call("identify", zigzag, *fitted, *options)
+    answer = call("identify", short, *fitted, *options)
     assert answer.code in (2, 3)
     assert said in answer.said and "Traceback" not in answer.err

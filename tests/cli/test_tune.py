@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import tomllib
 
@@ -18,7 +20,9 @@ def tuned(tmp_path_factory):
     from shipid.cli import run
 
     folder = tmp_path_factory.mktemp("tuned")
-    assert run(["tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--out", str(folder / "a")]) == 0
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        assert run(["tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--out", str(folder / "a")]) == 0
+    (folder / "printed.txt").write_text(out.getvalue(), encoding="utf-8")
     return folder / "a"
 
 
@@ -64,9 +68,9 @@ def test_omega_and_zeta(call):
     assert json.loads(degrees.out)["request"]["omega_n"] == {"value": pytest.approx(0.05), "unit": "rad/s"}
 
 
-def test_in_words(call):
-    answer = call("tune", "de-keizer", "--ship", "soesterberg", *QUICK)
-    assert answer.code == 0 and "The weakest point is" in answer.out and "Kp [1]" in answer.out
+def test_in_words(tuned):
+    printed = (tuned.parent / "printed.txt").read_text(encoding="utf-8")
+    assert "The weakest point is" in printed and "Kp [1]" in printed
 
 
 def test_on_board(call, refused, tmp_path):

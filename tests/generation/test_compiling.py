@@ -167,21 +167,38 @@ def test_without_a_cache_it_is_compiled_all_the_same(tmp_path: Path, monkeypatch
     assert list((tmp_path / "tmp").iterdir()) == []
 
 
+def only_library(folder: Path, number: float) -> tuple[str, bytes]:
+    """Compile into a folder of its own, by a process of its own: name of the library, and what it holds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SHIPID_CACHE", str(folder))
+        patch.delenv("SHIPID_COMPILE", raising=False)
+        run_alone(number)
+    (library,) = folder.iterdir()
+    return library.name, library.read_bytes()
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, bytes]:
+    """The library of the function that is called, under its name."""
+    return only_library(tmp_path_factory.mktemp("sound"), 1.0)
+
+
+@pytest.fixture(scope="module")
+def harmful(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The library of another function."""
+    return only_library(tmp_path_factory.mktemp("harmful"), 3.0)[1]
+
+
 @pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize(
     "harm", ["cut to nothing", "cut in half", "a bit", "one more byte", "another library", "a folder"]
 )
-def test_a_damaged_library_is_not_executed(fresh: Path, harm: str) -> None:
+def test_a_damaged_library_is_not_executed(fresh: Path, sound: tuple[str, bytes], harmful: bytes, harm: str) -> None:
     """It is compiled anew. The system would execute a library that is cut, and end the process by SIGBUS."""
-    compile_function(make_function(3.0))
-    (other,) = fresh.iterdir()
-    harmful = other.read_bytes()
-    other.unlink()
-    run_alone(1.0)
-    (library,) = fresh.iterdir()
-    whole = library.read_bytes()
+    name, whole = sound
+    fresh.mkdir(mode=0o700)
+    library = fresh / name
     if harm == "a folder":
-        library.unlink()
         library.mkdir()
     else:
         middle = len(whole) // 2

@@ -7,7 +7,7 @@ import pytest
 
 import shipid
 from shipid.foundation.errors import UnknownNameError
-from shipid.generation.ensemble import BLOCK, make_ensemble, steps_of
+from shipid.generation.ensemble import BLOCK, make_ensemble, run_many, steps_of
 from shipid.generation.record import make_record
 
 
@@ -41,3 +41,21 @@ def test_lengths_are_whole_blocks():
 def test_an_unknown_input():
     with pytest.raises(UnknownNameError, match="input of model de-keizer called 'sail'"):
         make_ensemble(shipid.find_model("de-keizer"), ("sail",))
+
+
+def test_runs_that_threads_share_stand_in_their_order(monkeypatch):
+    """Seven runs for three threads, none of which has as many as another two: each is what it is by itself."""
+    monkeypatch.setattr("shipid.generation.ensemble._WORTH_THREADS", 1)
+    monkeypatch.setattr("os.cpu_count", lambda: 3)
+    model = shipid.find_model("nomoto")
+    record = make_record(model, ("psi", "r"))
+    values = shipid.find_ship("zeefakkel").values(model, speed=5.0)
+    runs, count = 7, 50
+    inputs = np.broadcast_to(np.linspace(0.0, 0.3, runs)[:, None, None], (runs, len(model.inputs), count))
+    x0 = np.zeros((runs, len(model.states)))
+    p = np.tile(record.system.vector(record.system.coefficients, values), (runs, 1))
+    bias = 0.01 * np.arange(runs)[:, None] * np.ones(len(model.inputs))
+    y, _ = run_many(record, x0, inputs, np.full(count, 1.0), p, bias)
+    alone = [record(x0[k], inputs[k], np.full(count, 1.0), p[k], bias[k])[0] for k in range(runs)]
+    np.testing.assert_array_equal(y, alone)
+    assert len({float(one[0, -1]) for one in y}) == runs

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.report.figures import svg
 
 
 class Page(html.parser.HTMLParser):
@@ -51,6 +52,13 @@ class Page(html.parser.HTMLParser):
 def simulate(manoeuvre: str, seed: int, name: str):
     trial = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", manoeuvre, noise="standard", seed=seed)
     return dataclasses.replace(trial, name=name)
+
+
+@pytest.fixture
+def undrawn():
+    """Pages without their figures, most of what a page costs: for the words of a page whose figures are drawn elsewhere."""
+    with svg.collected():
+        yield
 
 
 @pytest.fixture(scope="session")

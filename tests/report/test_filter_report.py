@@ -35,44 +35,55 @@ def run():
     return kalman.filter(record)
 
 
-def test_the_page_stands_alone_and_holds_no_nan(run):
-    page = render(run)
+@pytest.fixture(scope="module")
+def page(run):
+    return render(run)
+
+
+@pytest.fixture(scope="module")
+def seen(run):
+    """With what the sensors show."""
+    return observability(run)
+
+
+@pytest.fixture(scope="module")
+def page_of_seen(seen):
+    return render(seen)
+
+
+def test_the_page_stands_alone_and_holds_no_nan(run, page):
     assert "<svg" in page and "http" not in page.replace("http-equiv", "")
     words = page.lower()
     assert ">nan<" not in words and " nan " not in words and "inf " not in words
     assert page == render(run)
 
 
-def test_a_page_works_nothing_out(run, monkeypatch):
-    seen = observability(run)
-    page = render(seen)
-
+def test_a_page_works_nothing_out(seen, page_of_seen, monkeypatch):
     def called(*_, **__):
         raise AssertionError("a page evaluates a model")
 
     monkeypatch.setattr(casadi.Function, "__call__", called)
     monkeypatch.setattr(casadi.Function, "buffer", called)
-    assert render(seen) == page
-    assert "`" not in page and "<mfrac>" in page
+    assert render(seen) == page_of_seen
+    assert "`" not in page_of_seen and "<mfrac>" in page_of_seen
 
 
-def test_what_went_wrong_is_said(run):
-    page = render(observability(run))
-    assert "5 of 738 samples of psi were outside the gate" in page
-    assert "x is not observable" in page and "was not worked out" not in page
+def test_what_went_wrong_is_said(run, page, page_of_seen):
+    assert "5 of 738 samples of psi were outside the gate" in page_of_seen
+    assert "x is not observable" in page_of_seen and "was not worked out" not in page_of_seen
     # What nobody asked for is not worked out for the page, and the page says so.
-    assert "Whether the sensors show every state was not worked out" in render(run)
-    assert "The innovations of r are not white" in page
+    assert "Whether the sensors show every state was not worked out" in page
+    assert "The innovations of r are not white" in page_of_seen
     assert run.innovations["psi"].rejected == 5
     assert run.innovations["r"].t.size == 718
 
 
-def test_parameters_and_levels_are_shown(run):
-    page = render(run)
+def test_parameters_and_levels_are_shown(page):
     for word in ("rate of turn per rudder angle", "default of the toolbox", "deg/s/√s", "95 % interval", "Nomoto.yaw"):
         assert word in page
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_warning_that_ends_with_exit_code_5_stands_in_red(run):
     """The terminal says WARNING of it, and a note of another."""
     told = dataclasses.replace(run, warnings=(Notice("not to be used.", serious=True), Notice("to know about.")))
@@ -104,6 +115,7 @@ def test_a_probability_is_drawn_from_zero_to_one():
     assert -0.1 < low <= 0 and 1 <= high < 1.1
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_is_added_to_inputs_is_on_the_page(run):
     assert "Added to inputs" not in render(run)
     design = dataclasses.replace(
@@ -124,6 +136,7 @@ def test_an_axis_of_whole_numbers_has_no_half_of_one():
     assert len(ticks) >= 3 and np.array_equal(ticks, np.round(ticks))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_comes_from_the_record_is_said_with_its_doubt(run):
     """The terminal says both; so does the page."""
     doubt = "not distinguishable from zero: its 95 % interval, -1 to 1, holds zero."
@@ -134,29 +147,26 @@ def test_what_comes_from_the_record_is_said_with_its_doubt(run):
     assert "0.00 ± 0.57" in words and "Not distinguishable from zero: its 95 % interval" in words
 
 
-def test_a_moving_mean_is_named_as_one(run):
+def test_a_moving_mean_is_named_as_one(page):
     """The legend said "estimate" of the normalised innovations squared."""
-    page = render(run)
     figure = page[page.index("Normalised innovations squared") :]
     words = re.findall(r"<text[^>]*>([^<]*)</text>", figure[: figure.index("</svg>")])
     assert "moving mean" in words and "estimate" not in words
 
 
-def test_the_last_estimates_are_one_sentence(run, read_page):
+def test_the_last_estimates_are_one_sentence(page, read_page):
     """Where each parameter had a sentence of its own, one called "a" read as an article."""
-    text = read_page(render(run)).text
+    text = read_page(page).text
     lead = text[: text.index("Parameters")]
     assert re.search(r"Estimates at the end: K = [\d.]+ ± [\d.]+ 1/s; tau = [\d.]+ ± [\d.]+ s\.", lead)
 
 
-def test_a_heading_on_a_figure_and_in_the_table_are_one(run, read_page):
+def test_a_heading_on_a_figure_and_in_the_table_are_one(run, page, read_page):
     """316.9 deg stood in the table beside a line that ends at -43."""
     last = np.degrees(run["psi"])
     assert last.min() < 0
     low = round(float(last.min()))
-    assert (
-        f"The heading is drawn without a jump at north: −{-low} deg is {low % 360} deg." in read_page(render(run)).text
-    )
+    assert f"The heading is drawn without a jump at north: −{-low} deg is {low % 360} deg." in read_page(page).text
     assert past_north(np.array([-0.2, 359.4])) == "" == past_north(np.array([np.nan]))
     assert past_north(np.array([10.0, 371.0])).endswith(" 371 deg is 11 deg.")
 

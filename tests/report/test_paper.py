@@ -15,6 +15,11 @@ from shipid.report.write_report import render
 SHEET = 680
 
 
+@pytest.fixture(scope="module")
+def page_of_fit(fit):
+    return render(fit)
+
+
 @pytest.fixture
 def sheets(browser):
     """From the template of a body to the text of each sheet."""
@@ -76,9 +81,9 @@ def test_a_caption_stands_on_the_sheet_of_its_figures(sheets):
         assert "drawn" in printed[caption], height
 
 
-def test_the_errors_of_a_trial_stand_below_its_heading_on_paper(fit, sheets):
+def test_the_errors_of_a_trial_stand_below_its_heading_on_paper(page_of_fit, sheets):
     """The table of the second trial stood alone on the next sheet, and nothing said of which trial."""
-    assert render(fit).count('<div class="figures pair">') == 2
+    assert page_of_fit.count('<div class="figures pair">') == 2
     body = (
         '{% from "macros.html" import figure, table %}<div style="height: 190mm"></div><div class="figures pair"><div>'
         "{{ figure(drawing, 'Heading.') }}{{ table([('Signal', 'what'), ('Fit', 'fit', 'n')], rows) }}</div></div>"
@@ -89,17 +94,17 @@ def test_the_errors_of_a_trial_stand_below_its_heading_on_paper(fit, sheets):
     assert "drawn" not in first and "drawn" in second and "row0." in second
 
 
-def test_two_trials_stand_on_the_first_sheet(fit, browser):
+def test_two_trials_stand_on_the_first_sheet(page_of_fit, browser):
     page = browser.new_page()
-    page.set_content(render(fit))
+    page.set_content(page_of_fit)
     pdf = pypdf.PdfReader(io.BytesIO(page.pdf(prefer_css_page_size=True)))
     page.close()
     assert pdf.pages[0].extract_text().count("Position east") == 2
 
 
-def test_the_third_figure_of_a_trial_stands_at_the_left_of_a_sheet(fit, on_paper):
+def test_the_third_figure_of_a_trial_stands_at_the_left_of_a_sheet(page_of_fit, on_paper):
     """It stood below the second one, and at the top of the next sheet with nothing beside it."""
-    page = on_paper(render(fit))
+    page = on_paper(page_of_fit)
     page.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
     left = page.evaluate(
         "[...document.querySelectorAll('.three')[0].querySelectorAll('figure')].map(f => f.offsetLeft)"
@@ -127,9 +132,9 @@ def test_a_course_change_is_read_on_one_line_on_paper(on_paper, speeds):
     assert page.evaluate("document.querySelector('table').getBoundingClientRect().right") <= SHEET
 
 
-def test_a_matrix_of_six_coefficients_is_seen_whole_on_a_phone(fit, browser):
+def test_a_matrix_of_six_coefficients_is_seen_whole_on_a_phone(fit, page_of_fit, browser):
     page = browser.new_page(viewport={"width": 390, "height": 844})
-    page.set_content(render(fit))
+    page.set_content(page_of_fit)
     page.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
     hidden = page.evaluate("(d => d.scrollWidth - d.clientWidth)(document.querySelector('.correlation').parentElement)")
     page.close()

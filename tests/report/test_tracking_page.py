@@ -31,26 +31,30 @@ def away():
     return sailed(300.0, 4.0, (target, far))
 
 
-def test_a_target_that_goes_away_comes_no_nearer(away):
-    page = render(away)
+@pytest.fixture(scope="module")
+def page(away):
+    return render(away)
+
+
+def test_a_target_that_goes_away_comes_no_nearer(page):
     assert "No track that is held comes nearer to own ship" in page
     assert "within the next hour" not in page
 
 
 def test_a_target_that_comes_is_told_with_its_distance():
     closing = sailed(900.0, -4.0)
-    assert "comes nearest to own ship: " in render(closing)
+    page = render(closing)
+    assert "comes nearest to own ship: " in page
     # The terminal says the same, with the interval.
-    assert closing.nearest_words.removeprefix("track") in render(closing) and closing.nearest_words in closing.text()
+    assert closing.nearest_words.removeprefix("track") in page and closing.nearest_words in closing.text()
 
 
-def test_no_false_track_is_told_without_a_rate(away):
-    page = render(away)
+def test_no_false_track_is_told_without_a_rate(page):
     assert "No confirmed track moves where no ship is within 250 m." in page
 
 
-def test_a_ship_beyond_the_horizon_does_not_shrink_the_plan(away):
-    assert "800000" not in render(away)
+def test_a_ship_beyond_the_horizon_does_not_shrink_the_plan(page):
+    assert "800000" not in page
 
 
 def test_a_course_is_shown_within_the_circle_and_only_of_what_moves(away):
@@ -61,7 +65,7 @@ def test_a_course_is_shown_within_the_circle_and_only_of_what_moves(away):
     assert np.isnan(shown).sum() == np.sum(one.speed <= 0.5)
 
 
-def test_what_follows_a_plus_or_minus_is_said(away, read_page):
+def test_what_follows_a_plus_or_minus_is_said(page, read_page):
     """A standard deviation beside a 95 % interval, and neither named; the interval was of the distance, without a word."""
-    text = read_page(render(away)).text
+    text = read_page(page).text
     assert "standard deviations after ±" in text and "CPA 95 % [m]" in text

@@ -93,6 +93,7 @@ def test_a_weak_design_is_named_in_the_summary(pages, weak, read_page):
     assert pages["weak"].count('class="box caution"') == len(weak.warnings) - len(serious) >= 3
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_draws_that_are_unstable_are_serious(judged):
     """A design that does not hold for ships that the trials allow: told in red, and the command ends with exit code 5."""
     robust = dataclasses.replace(judged.robust[0], unstable=3)
@@ -185,6 +186,7 @@ def test_gains_read_the_same_on_the_terminal_and_on_the_page():
     assert [cell for row in rows for cell in row if f">{cell}<" not in page] == []
 
 
+@pytest.mark.usefixtures("pages", "undrawn")
 def test_the_worst_overshoot_is_not_the_largest_and_the_page_says_why(pages, judged, read_page):
     """The course changes hold larger ones: the table of weak points seemed to contradict them."""
     largest = max(s.overshoot_deg for s in judged.steps if s.change_deg)
