@@ -428,3 +428,13 @@ def test_a_hole_before_the_heading_has_changed_hides_the_ability_to_turn(logged)
     table.loc[table["t"].between(orders[0] + 2, orders[1] - 2), "u"] = np.nan
     found = measure(Trial(trial.name, table, trial.source))
     assert found.initial_turning_ability is None and "in the speed" in found.reasons["initial_turning_ability"]
+    whole = measure(trial)
+    for start, end, known in ((0.3, 0.6, True), (0.85, 1.1, False)):
+        table = trial.table.copy()
+        at = orders[0] + (orders[1] - orders[0]) * np.array([start, end])
+        table.loc[table["t"].between(*at), "psi"] = np.nan
+        found = measure(Trial(trial.name, table, trial.source))
+        if known:
+            assert found.initial_turning_ability == pytest.approx(whole.initial_turning_ability, rel=0.01)
+        else:
+            assert found.initial_turning_ability is None and "heading" in found.reasons["initial_turning_ability"]

@@ -138,8 +138,9 @@ def _ability(
     if when is None:
         reasons["initial_turning_ability"] = f"the heading did not change by {degrees} deg"
         return {}
-    for channel in (psi, moving):
-        if (hole := channel.hole(first.time, when)) is not None:
+    # The heading counts where it has changed, the speed all the way.
+    for channel, hole in ((psi, psi.hole(when)), (moving, moving.hole(first.time, when))):
+        if hole is not None:
             reasons["initial_turning_ability"] = faults.hole(channel.name, hole)
             return {}
     if (why := faults.step(first.time, when)) is not None:
