@@ -130,7 +130,7 @@ def test_sensor_that_stands_still(refused, changed, column, fitted, name):
 def test_trial_that_is_too_short(refused, changed, fitted):
     refused(3, ["identify", changed(lambda rows: rows[:5]), *fitted], "5 samples", "at least 10")
     # 16 s, in which the rudder moves, of a ship with a time constant of 31 s
-    refused(3, ["identify", changed(lambda rows: rows[:80]), *fitted], "15.8 s", "time constant is 31 s")
+    refused(3, ["identify", changed(lambda rows: rows[:80]), *fitted], "15.8 s", "time constant is 31")
 
 
 def test_nothing_to_measure(refused, changed, column):

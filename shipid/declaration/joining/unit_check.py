@@ -188,13 +188,13 @@ def _checked(result: Expression, wanted: str, where: str, place: str, entry: Ent
     if not hasattr(result, "dimensionality"):
         if result is None:
             raise DeclarationError(f"{where} ({place}) returns nothing: end it with 'return ...'.")
-        if isinstance(result, (str, tuple, list, set, dict)) or getattr(result, "ndim", False):
+        if isinstance(result, (str, tuple, list, set, dict)) or getattr(result, "size", 1) != 1:
             raise DeclarationError(
                 f"{where} ({place}) returns a {type(result).__name__}, and {entry.name} is one number: return one value."
             )
         # A bare zero is zero in any unit; any other bare number is a pure number.
         result = ureg.Quantity(result, unit if result == 0 else ureg.Unit(""))
-    if getattr(result.magnitude, "ndim", False):
+    if getattr(result.magnitude, "size", 1) != 1:
         raise DeclarationError(
             f"{where} ({place}) returns {result.magnitude.size} numbers, and {entry.name} is one: return one value."
         )
