@@ -184,7 +184,7 @@ def disturbed(seconds: float) -> list[Row]:
             plain, (b"", b"", b"GET /ws HTTP/1.1\r\nHost: ", b"GET /ws HTTP/1.1\r\nX: ", b"\x16\x03\x01\x02\x00" * 100)
         ):
             one.sendall(sends)
-        deaf = [connect(running.address, max_size=None, max_queue=1) for _ in range(4)]
+        deaf = [connect(running.address, max_size=None, max_queue=1, ping_interval=None) for _ in range(4)]
         with ProcessPoolExecutor(1) as others:
             flooding = others.submit(flood, running.address, time.monotonic() + seconds + 2)
             watch(ws, 1.0)
