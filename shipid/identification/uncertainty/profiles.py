@@ -134,7 +134,9 @@ def profile_of(identified: Identified, name: str, points: int = 17) -> Profile:
     if gone != name and estimate.std and np.isfinite(estimate.std):
         # What follows from several has an excess of its own: near the estimate its profile is the parabola of its standard deviation.
         near = [rise_at(estimate.value + side * _NEAR * estimate.std, solution.q[keep])[0] for side in (-1, 1)]
-        excess = float(np.mean(near)) / (0.5 * _NEAR**2)
+        own = float(np.mean(near)) / (0.5 * _NEAR**2)
+        # Where the model runs away so near, that of the coefficient it takes the place of has to do.
+        excess = own if np.isfinite(own) and own > 0 else excess
     excess = excess if np.isfinite(excess) and excess > 0 else 1.0
 
     def cost_at(value: float, start: np.ndarray) -> tuple[float, np.ndarray]:

@@ -159,7 +159,7 @@ def simulate(
     if lacking:
         raise lacking
 
-    own_noise = own_seed(seed, f"{manoeuvre}, {brief(u0, 4)} m/s")
+    draws = own_seed(seed, f"{manoeuvre}, {brief(u0, 4)} m/s")
     fine = steps_of_helm(interval, unit_time)
     if planned.duration / interval * fine > _MOST_STEPS:
         raise UsageError(
@@ -171,9 +171,7 @@ def simulate(
     acting: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
     if (sea := flow_of(waves, "waves", unit_of_waves)) is not None:
         frequency = FREQUENCY / froude_share(length)
-        push = wave_noise(t.size, np.array([interval / fine]), own_noise, frequency=frequency, heading=share * sea[0])[
-            :, 0
-        ]
+        push = wave_noise(t.size, np.array([interval / fine]), draws, frequency=frequency, heading=share * sea[0])[:, 0]
         known = known | {"wave_frequency": frequency, "wave_damping": DAMPING}
         acting |= {driven: push, "wave_direction": sea[1]}
     if planned.schedule:
@@ -203,7 +201,7 @@ def simulate(
     if shows:
         # The reading of an instrument has the waves already.
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if reading.get(n) == n}
-    table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, own_noise)
+    table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, draws)
     # What was held is known, and what reads the trial needs it: the loading, the revolutions of the propeller.
     beside, units = logged_beside(model, wind, known)
     table = table.assign(**{n: value for n, value in beside.items() if n not in table})

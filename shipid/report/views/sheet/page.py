@@ -187,14 +187,10 @@ def _told_once(rows: list[Row]) -> tuple[list[Row], list[str]]:
 def _single(measures: Measures) -> Iterator[Row]:
     """A row for each quantity that is one number, or is not known for a reason."""
     known = {name: value for name, value, _, _ in measures.quantities()}
+    beside = measures.told_beside()
     for name, value, unit, meaning in measures.quantities():
         reason = measures.reason(name)
-        if (
-            isinstance(value, tuple)
-            or (value is None and reason is None)
-            or name.endswith(_RATIO)
-            or name in measures.told_beside()
-        ):
+        if isinstance(value, tuple) or (value is None and reason is None) or name.endswith(_RATIO) or name in beside:
             continue
         ratio = known.get(f"{name.removesuffix('_distance')}{_RATIO}")
         yield {

@@ -190,12 +190,10 @@ class Measures(DrawnResult):
 
     def _lines(self, without: Collection[str] = ()) -> list[str]:
         """One line a quantity that has a value, or a reason why it has none."""
-        lines = []
+        lines, elsewhere = [], {*without, *self.columns, *self.told_beside()}
         for name, value, unit, _ in self.quantities():
             reason = self.reason(name)
-            if name in (*without, *self.columns, *self.told_beside()) or (
-                reason is None and (value is None or (isinstance(value, tuple) and not value))
-            ):
+            if name in elsewhere or (reason is None and (value is None or (isinstance(value, tuple) and not value))):
                 continue
             lines.append(f"  {name.replace('_', ' '):<28s} {self._shown(name, value, unit)}")
         heads, rows = self.table()
@@ -227,7 +225,7 @@ class Measures(DrawnResult):
     def told_beside(cls) -> tuple[str, ...]:
         """Return the uncertainties that are told with the quantity they belong to."""
         names = [entry.name for entry in fields(cls)]
-        return tuple(name for name in names if name.removesuffix("_uncertainty") in set(names) - {name})
+        return tuple(name for name in (f"{n}_uncertainty" for n in names) if name in names)
 
     def _shown(self, name: str, value: Plain, unit: str) -> str:
         tail = "" if unit == "1" else " " + pretty(unit)
