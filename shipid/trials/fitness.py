@@ -1,13 +1,51 @@
-"""Whether a sound trial can be identified from: a rudder that moves."""
+"""Whether a sound trial can be identified from: a rudder, or another input of the model, that moves."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import angle
+from shipid.parts.rudder_delay import steered_by
 from shipid.trials.checks import STEADY_RUDDER
 from shipid.trials.errors import NoRudderMovementError, UnknownColumnError
 from shipid.trials.trial import Trial
+
+
+def check_identifiable(trials: Sequence[Trial], model: Model) -> None:
+    """Refuse trials in which nothing moves the model: there is no response to identify.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The trials.
+    model : Model
+        What is fitted to them. One that no rudder steers, such as the depth of a submarine under her planes, needs another of its
+        inputs to change.
+
+    Raises
+    ------
+    NoRudderMovementError
+        If the rudder of a trial stays within 0.5 deg, no sample of it is known, or no input of a model without a rudder changes.
+    UnknownColumnError
+        If a trial does not have the rudder.
+    """
+    steered = steered_by(model)
+    for trial in trials:
+        if steered is not None or not model.inputs:
+            check_identifiable_input(trial, steered or "delta")
+        elif not any(_changes(trial, n) for n in model.inputs):
+            raise NoRudderMovementError(
+                f"trial '{trial.name}' holds nothing that moves model {model.name}: none of its inputs {', '.join(model.inputs)} changes in "
+                f"it. It has {', '.join(trial.table.columns)}."
+            )
+
+
+def _changes(trial: Trial, name: str) -> bool:
+    values = trial[name][np.isfinite(trial[name])] if trial.has(name) else np.empty(0)
+    return values.size > 1 and bool(np.ptp(values) > 0)
 
 
 def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
