@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.vocabulary import angle
+from shipid.declaration.units import pretty, same_dimension
+from shipid.declaration.vocabulary import FIELDS, angle
 from shipid.parts.rudder_delay import steered_by
 from shipid.trials.checks import STEADY_RUDDER
-from shipid.trials.errors import NoRudderMovementError, UnknownColumnError
+from shipid.trials.errors import ColumnUnitError, NoRudderMovementError, UnknownColumnError
 from shipid.trials.trial import Trial
 
 
@@ -40,6 +41,34 @@ def check_identifiable(trials: Sequence[Trial], model: Model) -> None:
             raise NoRudderMovementError(
                 f"trial '{trial.name}' holds nothing that moves model {model.name}: none of its inputs {', '.join(model.inputs)} changes in "
                 f"it. It has {', '.join(trial.table.columns)}."
+            )
+
+
+def check_column_units(trial: Trial, model: Model, names: Iterable[str] | None = None) -> None:
+    """Refuse a column outside the vocabulary whose unit is not that of the quantity of the model: its SI values go in as they are.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    model : Model
+        What reads it.
+    names : iterable of str, optional
+        The columns; by default those of the inputs, states and outputs of the model.
+
+    Raises
+    ------
+    ColumnUnitError
+        With the column and both units.
+    """
+    for name in (*model.inputs, *model.states, *model.outputs) if names is None else names:
+        if name in FIELDS or name not in model or not trial.has(name):
+            continue
+        found, wanted = trial.unit(name), model[name].unit
+        if not same_dimension(found, wanted):
+            raise ColumnUnitError(
+                f"trial '{trial.name}', column '{name}': it is in {pretty(found)}, and model {model.name} has '{name}' "
+                f"({model[name].quantity.meaning}) in {pretty(wanted)}. Correct the unit in the header or in a format file, or rename the column."
             )
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from shipid import Component, ParameterSet, Trial, given, identify, join, parameter, state
+from shipid import Component, ExtendedKalmanFilter, ParameterSet, Trial, given, identify, join, parameter, state
 from shipid.generation.simulator import make_simulator
 from shipid.models import Nomoto, PlanarMotion
-from shipid.trials.errors import NoRudderMovementError, UnknownColumnError
+from shipid.trials.errors import ColumnUnitError, NoRudderMovementError, UnknownColumnError
 
 
 class Thrusters(Component):
@@ -91,3 +91,20 @@ def test_a_model_that_reads_the_rudder_still_asks_for_it():
         identify("nomoto", [log], ship=SHIP)
     with pytest.raises(UnknownColumnError, match="no column 'delta_order'"):
         identify(STEERED, [log], ship=SHIP)
+
+
+def test_a_column_in_another_unit_than_the_model_reads_is_refused():
+    """SI values went in as they were: a plane angle logged in kN gave a coefficient and a narrow interval."""
+    log = log_of(THRUSTERS, {"lever": 3e-7, "T": 25.0}, {"port": (2e4, 17.0), "starboard": (1e4, 29.0)})
+    wrong = replace(log, units={**log.units, "port": "kg*m^2/s^2"})
+    words = r"column 'port': it is in kg·m²/s², and model thrusters has 'port' \(thrust of the port thruster\) in N"
+    with pytest.raises(ColumnUnitError, match=words):
+        identify(THRUSTERS, [wrong], ship=SHIP)
+    with pytest.raises(ColumnUnitError, match=words):
+        identify(THRUSTERS, [log], ship=SHIP, starts=1).validate([wrong])
+    filtered = ExtendedKalmanFilter(
+        THRUSTERS, SHIP, measured={"r": "0.02 deg/s"}, values={"lever": 3e-7, "T": 25.0}, estimated=[]
+    )
+    with pytest.raises(ColumnUnitError, match=words):
+        filtered.filter(wrong)
+    assert filtered.filter(log).t.size == len(log)
