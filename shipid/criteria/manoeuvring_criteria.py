@@ -41,6 +41,7 @@ from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import ParameterSet, lacks_speed, missing_values
 from shipid.parameters.validity import BEYOND, beyond, beyond_in_run
+from shipid.parts.rudder_delay import not_steered, steered_by
 
 #: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
 _RATE = np.deg2rad(65 / 28)
@@ -95,8 +96,10 @@ def manoeuvring_criteria(
     if ship is None and fit is None:
         raise UsageError("criteria need a ship: its length, speed and coefficients.")
     own = fit.ship if fit is not None and ship is None else ship_of(ship)
-    if "delta" not in model.inputs or "psi" not in model or "x" not in model:
-        raise UsageError(f"model {model.name} has no rudder angle 'delta' to turn by, or no heading and track.")
+    if steered_by(model) is None:
+        raise UsageError(not_steered(model))
+    if "psi" not in model or "x" not in model:
+        raise UsageError(f"model {model.name} has no heading and track. Join it with PlanarMotion.")
     length, velocity = own.particular("L", "m"), _speed(own, speed)
     if length is None or length <= 0:
         raise ParameterSetError(f"ship {own.name} has no length L greater than zero, which the criteria are stated in.")

@@ -19,6 +19,7 @@ from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction
 from shipid.generation.simulator import coefficient_vector, initial_state, input_rows
 from shipid.generation.system import generate
+from shipid.parts.rudder_delay import steered_by
 
 #: Largest rate of turn that is tried, and the step to it, as r L/U.
 _FARTHEST, _STEP = 1.2, 0.004
@@ -84,16 +85,17 @@ def spiral_of(
     """
     system = generate(model)
     behind = system.states_behind(["r"]) if "r" in model else ()
-    if not behind or "delta" not in system.inputs or set(behind) & {"psi", "x", "y"} or system.nexts:
+    rudder_input = steered_by(model)
+    if not behind or rudder_input is None or set(behind) & {"psi", "x", "y"} or system.nexts:
         return None
     rates = np.arange(0.0, _FARTHEST, _STEP) * speed / length
     known = {"u": speed, "cruise": speed}
     # The rudder is the unknown: its value here is replaced.
-    inputs = input_rows(model, {**known, "delta": 0.0}, 1, needed=system.inputs_behind(["r"]))[:, 0]
+    inputs = input_rows(model, {**known, rudder_input: 0.0}, 1, needed=system.inputs_behind(["r"]))[:, 0]
     at_rest = dict(zip(model.states, initial_state(model, known)))
     start = [*(at_rest[n] for n in behind), 0.0]
     p = coefficient_vector(model, values)
-    walk = _walk(model, len(rates))
+    walk = _walk(model, rudder_input, len(rates))
     halves = []
     for side in (1.0, -1.0):
         rudder, miss = walk(start, side * rates, inputs, p).full()
@@ -144,7 +146,7 @@ def _return(rate: np.ndarray, rudder: np.ndarray) -> float | None:
 
 
 @functools.lru_cache(maxsize=32)
-def _walk(model: Model, count: int) -> CasadiFunction:
+def _walk(model: Model, rudder_input: str, count: int) -> CasadiFunction:
     """The CasADi function ``(start, rates, inputs, coefficients) -> (rudder, remaining relative error)``."""
     system = generate(model)
     behind = system.states_behind(["r"])
@@ -153,7 +155,7 @@ def _walk(model: Model, count: int) -> CasadiFunction:
     x = ca.vertcat(*(unknown[behind.index(n)] if n in behind else 0.0 for n in system.states))
     given = ca.SX.sym("given", system.u.shape[0])
     u = given + 0
-    u[system.inputs.index("delta")] = unknown[len(behind)]
+    u[system.inputs.index(rudder_input)] = unknown[len(behind)]
     wanted = ca.vertcat(*(moves[system.states.index(n)] for n in behind), system.values["r"])
     at = ca.Function("moves", [system.x, system.u, system.p], [ca.substitute(wanted, system.T, 1.0)])
     error = at(x, u, system.p) - ca.vertcat(ca.SX.zeros(len(behind)), r)

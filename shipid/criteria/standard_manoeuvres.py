@@ -16,7 +16,7 @@ from shipid.declaration.model import Model
 from shipid.foundation.numbers import brief
 from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.manoeuvring_range import manoeuvring_range
-from shipid.parts.rudder_delay import steering_machine_of
+from shipid.parts.rudder_delay import gear_of
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre, plan
 
 #: Clock of the simulation in L/U.
@@ -84,7 +84,7 @@ class StandardManoeuvres:
                 angle = {"turn": degrees, "10/10": 10.0, "20/20": 20.0}[kind] * side
                 text = f"turn:{angle:.12g}/{_ROUND}" if kind == "turn" else f"zigzag:{angle:g}/{abs(angle):g}"
                 planned = plan(parse_manoeuvre(text), self._unit_time, 0.0, abs(rudder), 0)
-                whole = join(model.name, model, steering_machine_of(model), planned.helm, *manoeuvring_range(model))
+                whole = join(model.name, model, *gear_of(model), planned.helm, *manoeuvring_range(model))
                 turned = [n for n in _TURNED if n in whole] if kind == "turn" else []
                 simulator = make_simulator(whole, (*_SHOWN, *turned), hold="zero")
                 self._steered[kind, side] = _Steered(simulator, {"L": length, **steering, **planned.constants})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import types
 from collections.abc import Callable, Mapping
@@ -17,7 +18,41 @@ SAMPLING_INTERVAL = "T_s"
 _RESERVED = ("t",)
 
 
-class Component:
+class _Body(dict[str, object]):
+    """The body of a component while it is read: what is declared in it is not declared again, or lost to a method, without a word."""
+
+    def __init__(self, component: str) -> None:
+        super().__init__()
+        self._component = component
+        self._lines: dict[str, int] = {}
+
+    def __setitem__(self, name: str, value: object) -> None:
+        before, here = self.get(name), inspect.currentframe()
+        frame = here and here.f_back
+        line = frame.f_lineno if frame else 0
+        if isinstance(before, Quantity | Equation):
+            what = "the method of an equation" if isinstance(before, Equation) else f"a quantity ({before.kind})"
+            where = f" ({frame.f_code.co_filename})" if frame else ""
+            raise DeclarationError(
+                f"component {self._component} uses the name '{name}' twice{where}: in line {self._lines[name]} for {what}, "
+                f"and in line {line} again, where it would be lost. Give one of them another name."
+            )
+        self._lines[name] = line
+        super().__setitem__(name, value)
+
+
+class _Declaration(type):
+    """The class of components, which reads their bodies."""
+
+    @classmethod
+    def __prepare__(cls, name: str, bases: tuple[type, ...], /, **kwargs: object) -> _Body:
+        return _Body(name)
+
+    def __new__(cls, name: str, bases: tuple[type, ...], body: dict[str, object], **kwargs: object) -> _Declaration:
+        return super().__new__(cls, name, bases, dict(body), **kwargs)
+
+
+class Component(metaclass=_Declaration):
     """A part of a ship model: quantities with units, and one method for each equation.
 
     Subclass it, declare quantities with `state`, `given`, `derived`, `constant`, `parameter`, `output` or `guard`, and
@@ -103,7 +138,14 @@ def _by_target(cls: type[Component], methods: dict[str, Equation]) -> dict[str, 
 
 def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None:
     if name in _RESERVED or name.startswith("_") or name.endswith("_"):
-        raise DeclarationError(f"component {cls.__name__} may not name a quantity '{name}': the name is reserved.")
+        why = (
+            "t is the time of a record, and what changes with it is an input, declared as given(...)"
+            if name in _RESERVED
+            else "no quantity begins or ends with _"
+        )
+        raise DeclarationError(
+            f"component {cls.__name__} may not name a quantity '{name}': the name is reserved; {why}."
+        )
     if name == SAMPLING_INTERVAL and quantity.kind != "given":
         raise DeclarationError(
             f"component {cls.__name__} states '{SAMPLING_INTERVAL}', which is the sampling interval: declare it as given('s', ...)."
@@ -119,6 +161,10 @@ def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None
     if quantity.kind in COMPUTED and equation is None:
         raise DeclarationError(
             f"{quantity.kind} '{name}' of {cls.__name__} has no equation: add a method under @{name}.equals."
+        )
+    if not isinstance(quantity.unit, str):
+        raise DeclarationError(
+            f"'{name}' of {cls.__name__} has the unit {quantity.unit!r}: write it in quotes, as in 'm/s', or '1' for a number."
         )
     if not quantity.meaning.strip():
         raise DeclarationError(f"'{name}' of {cls.__name__} has no meaning: write one line in words.")

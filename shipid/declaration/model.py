@@ -74,7 +74,7 @@ class Entry:
 
         Parameters
         ----------
-        attribute : {"start", "low", "high", "nominal", "default"}
+        attribute : {"start", "low", "high", "spread", "nominal", "default", "noise"}
             Which one.
         """
         value = getattr(self.quantity, attribute)

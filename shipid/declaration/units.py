@@ -176,6 +176,18 @@ def is_coherent_si(text: str) -> bool:
     return bool(abs(registry().Quantity(1.0, unit(text)).to_base_units().magnitude - 1) < 1e-12)
 
 
+def coherent(text: str) -> str:
+    """Return the unit of SI base units and radians that measures the same: m/s for kn, rps for rpm.
+
+    Parameters
+    ----------
+    text : str
+        The unit.
+    """
+    found = f"{registry().Quantity(1.0, unit(text)).to_base_units().units:~C}" or "1"
+    return "rps" if found == "rev/s" else found
+
+
 @functools.cache
 def same_dimension(first: str, second: str) -> bool:
     """Return whether two units measure the same thing (an angle counts as a number, as in equations it must).

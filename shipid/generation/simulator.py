@@ -6,13 +6,14 @@ This is the only place that lays out initial states, inputs and coefficients in 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.errors import UsageError
-from shipid.generation.departure import Departure, first_departure
+from shipid.generation.departure import RUNS_AWAY, Departure, first_departure
 from shipid.generation.record import Record, make_record
 from shipid.generation.system import generate
 
@@ -238,7 +239,26 @@ class Simulator:
             shift,
         )
         left = first_departure(self.model, t, dict(zip(self.record.guards, margins)), y)
+        if left is not None and left.reason == RUNS_AWAY and left.time <= t[1]:
+            left = self._without_value(left, t, values, rows[:, 0] if shift is None else rows[:, 0] + shift, start)
         return Simulation(t, dict(zip(self.record.outputs, y)), slopes, left)
+
+    def _without_value(
+        self, left: Departure, t: np.ndarray, values: Named, inputs: np.ndarray, start: Named | None
+    ) -> Departure:
+        """The same departure, with the equations that have no value where the run begins: nothing runs away there."""
+        system, x = self.record.system, initial_state(self.model, start)
+        first = ca.Function("first", [system.x, system.u, system.p, system.T], [system.rates])
+        rates = first(x, inputs, coefficient_vector(self.model, values), t[1] - t[0]).full()[:, 0]
+        lost = [n for n, rate in zip(self.model.states, rates) if not np.isfinite(rate)]
+        if not lost:
+            return left
+        equations = ", ".join(f"d{n}/dt" for n in lost)
+        reason = (
+            f"{equations} {'has' if len(lost) == 1 else 'have'} no finite value where the run begins: by a division by zero, or a root or "
+            "logarithm of zero, which np.where or np.maximum avoids"
+        )
+        return replace(left, time=float(t[0]), reason=reason)
 
 
 def make_simulator(

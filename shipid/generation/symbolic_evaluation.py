@@ -119,8 +119,8 @@ def check_numbers(model: Model) -> None:
             place = user_line(Exception(), entry.equation.function.__code__)
             raise DeclarationError(
                 f"model {model.name}, equation {entry.owner.__name__}.{entry.equation.name} ({place}) gives {differs[0]:.4g} over "
-                f"numbers and {differs[1]:.4g} over symbols, which it is run over. Use NumPy's elementwise functions, np.where and "
-                "np.interp, and neither try, isinstance, round, % nor //."
+                f"numbers and {differs[1]:.4g} over symbols, which it is run over. Use NumPy's elementwise functions, np.where, and "
+                "np.interp with rising places, and neither try, isinstance, round, % nor //."
             )
 
 

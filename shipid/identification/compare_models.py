@@ -75,7 +75,7 @@ def compare_models(
     Raises
     ------
     UsageError
-        If there are no models or no trials, or an input is read by no candidate.
+        If there are no models or no trials, no trial shows how the ship turns, or an input is read by no candidate.
     UnitError
         If the value of an input has no unit where it needs one, or one that does not fit.
     """
@@ -84,6 +84,11 @@ def compare_models(
     if not models or not trials:
         raise UsageError("a comparison needs at least one model and one trial.")
     trials, validate = trials_of(trials), trials_of(validate)
+    if not any(t.has(n) for t in trials for n in ("psi", "r")):
+        raise UsageError(
+            "a comparison judges predictions by heading and rate of turn, and no trial has one of them (psi, r). Fit each model (identify "
+            "--validate), and put their errors side by side."
+        )
     whole = completed(models, [*trials, *validate])
     pieces = _pieces(trials)
     held = dict(inputs or {})

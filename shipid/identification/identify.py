@@ -49,10 +49,11 @@ from shipid.identification.uncertainty.covariance import correlation_of, covaria
 from shipid.identification.uncertainty.estimates import estimates_of, unseen_words, without_values
 from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
+from shipid.parameters.catalogue import model_of
 from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.autopilot_steers import autopilot_steers, course_is_kept, rudder_answers
-from shipid.trials.fitness import check_identifiable_input
+from shipid.trials.fitness import check_identifiable
 from shipid.trials.logs.reading import Trials, trials_of
 from shipid.trials.trial import Trial
 
@@ -141,8 +142,7 @@ def identify(
     free = purpose is None and method is None and noise is None and loss == "linear"
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
     method = "prediction-error" if steered else method
-    for trial in trials:
-        check_identifiable_input(trial)
+    check_identifiable(trials, model_of(model))
     load_part = None
     if free and not steered and not (estimate or fixed):
         model = with_dead_time(model, trials)

@@ -6,9 +6,10 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from shipid.declaration.model import Model
-from shipid.declaration.units import split, to_si
+from shipid.declaration.model import Entry, Model
+from shipid.declaration.units import pretty, split, to_si
 from shipid.foundation.errors import UsageError
+from shipid.foundation.numbers import brief
 from shipid.parameters.parameter_set import PARTICULARS
 
 
@@ -110,7 +111,16 @@ def _coefficients(model: Model) -> list[str]:
     """A comment for each coefficient of a model that is no particular."""
     particulars = {known.name for known in KNOWN_PARTICULARS}
     return [
-        f"# {_entry(name, '...', model[name].unit, '')}  # {model[name].quantity.meaning}"
+        f"# {_entry(name, '...', model[name].unit, '')}  # {model[name].quantity.meaning}{_if_absent(model[name])}"
         for name in model.parameters + model.constants
         if name not in particulars
     ]
+
+
+def _if_absent(entry: Entry) -> str:
+    """What is taken where the file leaves a constant out."""
+    default = entry.number("default")
+    if default is None:
+        return ""
+    unit = "" if entry.unit == "1" else f" {pretty(entry.unit)}"
+    return f"; {brief(default, 6)}{unit} if it is left out"

@@ -101,15 +101,50 @@ class LateSteeringMachine(LateRudder, SteeringMachine):
 _LATE: dict[type[Component], type[Component]] = {SteeringMachine: LateSteeringMachine, DirectRudder: LateDirectRudder}
 
 
-def steering_machine_of(model: Model) -> type[Component]:
-    """Return the steering machine that a model is joined with: one of a rudder that acts late where it has a dead time.
+def steered_by(model: Model) -> str | None:
+    """Return the input by which a model is steered, or None where it reads none.
 
     Parameters
     ----------
     model : Model
-        A ship model that reads the rudder angle.
+        A ship model.
+
+    Returns
+    -------
+    str or None
+        ``"delta"``, the rudder angle; ``"delta_order"`` of a model that has a steering machine of its own, which states ``delta``.
     """
-    return actuator_of(model, SteeringMachine)
+    if "delta" in model.inputs:
+        return "delta"
+    return "delta_order" if "delta_order" in model.inputs and "delta" in model else None
+
+
+def not_steered(model: Model) -> str:
+    """Return what to say of a model that nothing steers (`steered_by`): what it would have to read, and what can be done with it as it is.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model.
+    """
+    return (
+        f"model {model.name} reads no rudder angle 'delta', and states none behind a rudder order 'delta_order', so there is nothing to "
+        "steer. Rudders that move together are derived from one delta in an equation; what other inputs move is fitted to a log "
+        "(shipid identify)."
+    )
+
+
+def gear_of(model: Model, *, direct: bool = False) -> tuple[type[Component], ...]:
+    """Return the steering machine that a model is joined with: one of a rudder that acts late where it has a dead time, none where it has its own.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model that is steered (`steered_by`).
+    direct : bool
+        Whether the rudder is where it is ordered, without a machine.
+    """
+    return (actuator_of(model, DirectRudder if direct else SteeringMachine),) if "delta" in model.inputs else ()
 
 
 def actuator_of(model: Model, actuator: type[Component]) -> type[Component]:

@@ -22,7 +22,7 @@ from shipid.identification.uncertainty.information import CandidateManoeuvre, Ex
 from shipid.parameters.draws import normal_draws
 from shipid.parameters.parameter_set import ParameterSet, Value, lacks_speed, missing_values
 from shipid.parameters.validity import beyond
-from shipid.parts.rudder_delay import steering_machine_of
+from shipid.parts.rudder_delay import gear_of, not_steered, steered_by
 from shipid.trials.manoeuvres.noise import parse_noise
 
 #: Shortest manoeuvre, longest, and the steady approach between two, in L/U.
@@ -188,8 +188,8 @@ def planning_problem(
     TimeTooShortError
         If the time is too short for any manoeuvre.
     """
-    if "delta" not in model.inputs:
-        raise UsageError(f"model {model.name} reads no rudder angle 'delta', so it cannot be steered.")
+    if steered_by(model) is None:
+        raise UsageError(not_steered(model))
     if not 0 < spread < np.inf or draws < 0:
         raise UsageError(f"a spread of {spread:g} with {draws} draws is no prior: give a spread greater than zero.")
     seconds = _si(time, "s", "the time")
@@ -210,7 +210,7 @@ def planning_problem(
         if model[n].quantity.kind not in ("parameter", "constant", "derived"):
             raise UsageError(f"'{n}' is no coefficient of model {model.name}, and takes no value.")
     ship = _with_values(model, ship, held)
-    steered = join(model.name, model, steering_machine_of(model))
+    steered = join(model.name, model, *gear_of(model))
     known = ship.values(steered, speed=first)
     lacking = missing_values(steered, known, f"ship {ship.name}")
     if lacking:
@@ -227,7 +227,7 @@ def planning_problem(
     signals, sigma = _signals(model, noise)
     interval = _own_sampling(length / first) if sampling is None else _si(sampling, "s", "the sampling interval")
     apart = interval if correlation is None else max(interval, _si(correlation, "s", "the correlation time"))
-    limit = known["delta_max"]
+    limit = known.get("delta_max", ship.particular("delta_max", "rad") or np.deg2rad(35))
     initial, biases = generate(model).states_behind(signals), unknown_biases(model, signals)
     experiment = Experiment(model, length, estimated, initial, biases, signals, sigma, 1 / apart, limit)
     scale = Scale(length, first)

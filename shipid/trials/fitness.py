@@ -1,13 +1,80 @@
-"""Whether a sound trial can be identified from: a rudder that moves."""
+"""Whether a sound trial can be identified from: a rudder, or another input of the model, that moves."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
-from shipid.declaration.vocabulary import angle
+from shipid.declaration.model import Model
+from shipid.declaration.units import pretty, same_dimension
+from shipid.declaration.vocabulary import FIELDS, angle
+from shipid.parts.rudder_delay import steered_by
 from shipid.trials.checks import STEADY_RUDDER
-from shipid.trials.errors import NoRudderMovementError, UnknownColumnError
+from shipid.trials.errors import ColumnUnitError, NoRudderMovementError, UnknownColumnError
 from shipid.trials.trial import Trial
+
+
+def check_identifiable(trials: Sequence[Trial], model: Model) -> None:
+    """Refuse trials in which nothing moves the model: there is no response to identify.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The trials.
+    model : Model
+        What is fitted to them. One that no rudder steers, such as the depth of a submarine under her planes, needs another of its
+        inputs to change.
+
+    Raises
+    ------
+    NoRudderMovementError
+        If the rudder of a trial stays within 0.5 deg, no sample of it is known, or no input of a model without a rudder changes.
+    UnknownColumnError
+        If a trial does not have the rudder.
+    """
+    steered = steered_by(model)
+    for trial in trials:
+        if steered is not None or not model.inputs:
+            check_identifiable_input(trial, steered or "delta")
+        elif not any(_changes(trial, n) for n in model.inputs):
+            raise NoRudderMovementError(
+                f"trial '{trial.name}' holds nothing that moves model {model.name}: none of its inputs {', '.join(model.inputs)} changes in "
+                f"it. It has {', '.join(trial.table.columns)}."
+            )
+
+
+def check_column_units(trial: Trial, model: Model, names: Iterable[str] | None = None) -> None:
+    """Refuse a column outside the vocabulary whose unit is not that of the quantity of the model: its SI values go in as they are.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    model : Model
+        What reads it.
+    names : iterable of str, optional
+        The columns; by default those of the inputs, states and outputs of the model.
+
+    Raises
+    ------
+    ColumnUnitError
+        With the column and both units.
+    """
+    for name in (*model.inputs, *model.states, *model.outputs) if names is None else names:
+        if name in FIELDS or name not in model or not trial.has(name):
+            continue
+        found, wanted = trial.unit(name), model[name].unit
+        if not same_dimension(found, wanted):
+            raise ColumnUnitError(
+                f"trial '{trial.name}', column '{name}': it is in {pretty(found)}, and model {model.name} has '{name}' "
+                f"({model[name].quantity.meaning}) in {pretty(wanted)}. Correct the unit in the header or in a format file, or rename the column."
+            )
+
+
+def _changes(trial: Trial, name: str) -> bool:
+    values = trial[name][np.isfinite(trial[name])] if trial.has(name) else np.empty(0)
+    return values.size > 1 and bool(np.ptp(values) > 0)
 
 
 def check_identifiable_input(trial: Trial, column: str = "delta") -> None:

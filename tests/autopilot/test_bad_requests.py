@@ -114,11 +114,27 @@ class Steered(Component):
         return self.r
 
 
+class Towed(Component):
+    """A ship that a tug turns."""
+
+    r = state("rad/s", "rate of turn")
+    pull = given("rad/s^2", "yaw acceleration by the tug")
+
+    @r.rate
+    def yaw(self):
+        """A test."""
+        return self.pull
+
+
 def test_a_model_without_heading_rudder_or_rate():
     with pytest.raises(NotSteerableError, match="no heading 'psi'"):
         shipid.design_autopilot(join("compassless", Compassless), ship(**GOOD))
-    with pytest.raises(NotSteerableError, match="reads no rudder"):
+    with pytest.raises(
+        NotSteerableError, match=r"SteeringMachine in it.*take the model without it.*actuator=SteeringMachine"
+    ):
         shipid.design_autopilot(join("steered", shipid.find_model("nomoto"), SteeringMachine), "soesterberg")
+    with pytest.raises(NotSteerableError, match=r"reads no rudder angle 'delta'.*derived from one delta"):
+        shipid.design_autopilot(join("towed", Towed, PlanarMotion), "soesterberg")
     with pytest.raises(NotSteerableError, match="no rate of turn 'r'"):
         shipid.design_autopilot(join("moving", PlanarMotion), ship(**GOOD))
 

@@ -94,3 +94,14 @@ def test_a_draft_with_a_source_is_read_by_other_commands(call, tmp_path):
 )
 def test_refusals(refused, code, arguments, words):
     refused(code, ["ship", *arguments], *words)
+
+
+def test_a_draft_says_what_a_model_takes_for_what_is_left_out(call, own_model):
+    """Gravity looked like one more number to be found."""
+    path = own_model(
+        ("import Component,", "import Component, constant,"),
+        ("    K = ", '    g = constant("m/s^2", "gravity", default=9.81)\n    K = '),
+    )
+    drafted = call("ship", "--new", "own", "--coefficients", f"{path}:Yaw").out
+    assert '# g = { value = ..., unit = "m/s^2", source = "" }  # gravity; 9.81 m/s² if it is left out' in drafted
+    assert "# gain\n" in drafted

@@ -274,3 +274,103 @@ def test_a_start_outside_of_its_bounds_is_refused(start: float, low: float, high
 
     with pytest.raises(DeclarationError, match=r"'tau' of Lag declares .*low has to be below high"):
         join("lag", Lag)
+
+
+def twice_a_quantity() -> type[Component]:
+    class Own(Component):
+        """The second line was to be another coefficient."""
+
+        K = parameter("1/s", "gain", start=0.1)
+        K = parameter("s^2/rad^2", "cubic coefficient", start=10.0)
+
+    return Own
+
+
+def a_method_named_as_its_state() -> type[Component]:
+    class Own(Component):
+        """The equation would take the place of the state."""
+
+        r = state("rad/s", "rate of turn")
+
+        @r.rate
+        def r(self):
+            """Nobody (1900)."""
+            return 0.0
+
+    return Own
+
+
+def two_equations_in_one_method() -> type[Component]:
+    class Own(Component):
+        """The first equation would be lost."""
+
+        r = state("rad/s", "rate of turn")
+        v = state("m/s", "sway speed")
+
+        @r.rate
+        def motion(self):
+            """Nobody (1900)."""
+            return 0.0
+
+        @v.rate
+        def motion(self):  # noqa: F811
+            """Nobody (1900)."""
+            return 0.0
+
+    return Own
+
+
+def a_helper_named_as_a_coefficient() -> type[Component]:
+    class Own(Component):
+        """The coefficient would be lost."""
+
+        T = parameter("s", "time constant", start=10.0)
+
+        def T(self):  # noqa: F811
+            return 3.0
+
+    return Own
+
+
+@pytest.mark.parametrize(
+    ("declare", "name", "kind"),
+    [
+        (twice_a_quantity, "K", r"a quantity \(parameter\)"),
+        (a_method_named_as_its_state, "r", r"a quantity \(state\)"),
+        (two_equations_in_one_method, "motion", "the method of an equation"),
+        (a_helper_named_as_a_coefficient, "T", r"a quantity \(parameter\)"),
+    ],
+)
+def test_a_name_that_is_used_twice_in_a_component_is_refused_with_both_lines(declare, name, kind):
+    """Python keeps the last one: a state was lost without a word."""
+    with pytest.raises(
+        DeclarationError, match=rf"Own uses the name '{name}' twice .*in line \d+ for {kind}.* in line \d+ again"
+    ):
+        declare()
+
+
+def test_a_component_that_inherits_may_declare_anew() -> None:
+    class Wider(Turning):
+        """The same with wider bounds."""
+
+        K = parameter("1/s", "gain", start=0.1, low=0.001, high=10.0)
+
+    assert declared_quantities(Wider)["K"].high == 10.0
+
+
+@pytest.mark.parametrize("unit", [None, 1, 1.0])
+def test_a_unit_that_is_no_text_is_refused(unit):
+    with pytest.raises(
+        DeclarationError, match=r"'B' of Own has the unit .*write it in quotes, as in 'm/s', or '1' for a number"
+    ):
+
+        class Own(Component):
+            """A unit without quotes."""
+
+            B = constant(unit, "beam")
+
+
+@pytest.mark.parametrize(("name", "why"), [("t", r"what changes with it is an input"), ("Y_", "begins or ends with _")])
+def test_a_reserved_name_says_why(name, why):
+    with pytest.raises(DeclarationError, match=rf"'{name}': the name is reserved; .*{why}"):
+        type("Own", (Component,), {name: parameter("1", "a coefficient", start=1.0)})

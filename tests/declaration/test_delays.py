@@ -6,7 +6,7 @@ import pytest
 from shipid import Component, find_model, given, join, parameter
 from shipid.declaration.delays import refuse_delay, refuse_estimated_delay, shifted_rows
 from shipid.foundation.errors import DeclarationError, UnitError, UsageError
-from shipid.parts.rudder_delay import LateSteeringMachine, steering_machine_of
+from shipid.parts.rudder_delay import LateSteeringMachine, gear_of
 from shipid.parts.steering_machine import SteeringMachine
 
 
@@ -39,8 +39,8 @@ def test_every_model_that_reads_the_rudder_has_one_by_name(late) -> None:
 
 
 def test_a_closed_loop_has_a_steering_machine_that_is_late(late) -> None:
-    assert steering_machine_of(late) is LateSteeringMachine
-    assert steering_machine_of(find_model("nomoto")) is SteeringMachine
+    assert gear_of(late) == (LateSteeringMachine,)
+    assert gear_of(find_model("nomoto")) == (SteeringMachine,)
     # What is no input is not shifted a second time.
     assert join("steered", late, LateSteeringMachine).delays == {}
     with pytest.raises(DeclarationError, match=r"'delay' delays the input 'delta', and SteeringMachine .* without it"):

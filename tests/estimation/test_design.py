@@ -9,9 +9,12 @@ import pytest
 from shipid import ExtendedKalmanFilter, find_model
 from shipid.declaration.component import Component
 from shipid.declaration.joining.join import join
-from shipid.declaration.quantity import given, parameter, state
+from shipid.declaration.quantity import constant, given, output, parameter, state
 from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
-from shipid.estimation.settings.defaults import own_sensors
+from shipid.estimation.errors import NotMeasurableError
+from shipid.estimation.settings.defaults import own_sensors, standard_sensors
+from shipid.models import Nomoto, PlanarMotion
+from shipid.parts.sensors import FaultyGyro
 
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s"}
 SETTINGS = FilterSettings(measured=SENSORS, estimated=["K", "tau"])
@@ -93,3 +96,40 @@ def test_own_states_that_were_logged_are_sensors():
     assert own_sensors(model, {"n": np.full(10, 2.0), "boost": np.array([np.nan, 1.0])}) == {}
     clean = own_sensors(model, {"n": t})
     assert clean["n"] == (pytest.approx(1e-3 * t.std()), "1/s")
+
+
+class Bubble(Component):
+    """An instrument of the user's own."""
+
+    r = given("rad/s", "rate of turn")
+    heel_per_rate = constant("s", "heel for each rate of turn", default=2.0)
+    bubble = output("rad", "inclinometer")
+    level = output("rad", "spirit level", noise="0.1 deg")
+
+    @bubble.equals
+    def reading(self):
+        """Made up."""
+        return self.heel_per_rate * self.r
+
+    @level.equals
+    def other(self):
+        """Made up."""
+        return self.heel_per_rate * self.r
+
+
+def test_an_output_of_its_own_stands_beside_the_standard_sensors():
+    """A model with a leeway of its own was filtered by that alone, or not at all."""
+    model, t = join("nomoto", Nomoto, PlanarMotion, Bubble), np.arange(200.0)
+    columns = {"t": t, "psi": t, "r": np.sin(t), "bubble": np.sin(t), "level": np.sin(t)}
+    assert set(standard_sensors(model, ("t", "psi", "r"))) == {"psi", "r"}
+    assert set(standard_sensors(model, tuple(columns))) == {"psi", "r", "level"}
+    assert list(own_sensors(model, columns)) == ["bubble"]
+    assert standard_sensors(model, ("t", "bubble")) == {}
+    with pytest.raises(NotMeasurableError, match=r"nothing that a sensor shows of model nomoto \(psi, r, .*bubble.*\)"):
+        standard_sensors(model, ("t", "delta"))
+
+
+def test_a_model_that_declares_its_instruments_says_itself_what_is_measured():
+    model = join("nomoto", Nomoto, PlanarMotion, FaultyGyro, Bubble)
+    assert set(standard_sensors(model, ("t", "psi", "r", "bubble"))) == {"gyro", "bubble"}
+    assert own_sensors(model, {"bubble": np.arange(9.0)}) == {}

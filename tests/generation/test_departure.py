@@ -76,3 +76,33 @@ def test_what_is_not_finite_is_a_departure():
     # At one sample, the guard says more than the number that is none.
     both = first_departure(model, t, {"below_one": np.array([1.0, -1.0, 1.0])}, columns)
     assert both.guard == "below_one"
+
+
+class Drifting(Component):
+    """A sway whose damping divides by it: no value at rest."""
+
+    v = state("m/s", "sway speed")
+    x = state("m", "position")
+    T = constant("s", "time constant", default=10.0)
+
+    @v.rate
+    def sway(self):
+        """Made up."""
+        return -self.v * self.v / abs(self.v) / self.T
+
+    @x.rate
+    def way(self):
+        """Made up."""
+        return self.v
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_an_equation_without_a_value_at_rest_is_named(compiled):
+    """It was said to run away, with the advice of less rudder."""
+    simulator = make_simulator(join("drifting", Drifting), ["x"], compiled=compiled)
+    t = np.arange(0.0, 3.0, 0.25)
+    departure = simulator(t, {}).departure
+    assert departure.time == 0 and departure.reason.startswith(
+        "dv/dt has no finite value where the run begins: by a division"
+    )
+    assert simulator(t, {}, start={"v": 1.0}).departure is None

@@ -37,6 +37,12 @@ def yaw_of(effect: Callable[[Any], Any]) -> Any:
     return shipid.join("yaw", Yaw)
 
 
+def test_a_table_whose_places_fall_is_told_so() -> None:
+    """NumPy's own interp gives anything there, and the advice was np.interp."""
+    with pytest.raises(DeclarationError, match=r"np\.interp with rising places"):
+        generate(yaw_of(lambda d: np.interp(d, [0.6, 0.0, -0.6], [-0.5, 0.0, 0.5])))
+
+
 def chosen(delta):
     if delta > 0:
         return delta

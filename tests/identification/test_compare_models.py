@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import shipid
 from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.errors import UsageError
 from shipid.identification.choice.ranking import Ranking
 from shipid.identification.choice.scoring import MEASURES
 from shipid.identification.compare_models import compare_models
@@ -25,6 +27,13 @@ def cubic_trials(sail):
 @pytest.fixture(scope="module")
 def ranking(cubic_trials) -> Ranking:
     return compare_models(["nomoto", "norrbin"], cubic_trials, ship="zeefakkel", starts=1, workers=1)
+
+
+def test_trials_that_do_not_show_how_a_ship_turns_are_not_judged(cubic_trials):
+    """Every prediction of them was worthless, and the first of them was to be taken."""
+    still = [replace(t, table=t.table[["t", "u", "delta"]]) for t in cubic_trials]
+    with pytest.raises(UsageError, match=r"by heading and rate of turn, and no trial has one of them \(psi, r\)"):
+        compare_models(["nomoto"], still, ship="zeefakkel", starts=1, workers=1)
 
 
 def test_the_structure_that_made_the_data_wins(ranking):

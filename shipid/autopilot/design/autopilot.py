@@ -218,10 +218,10 @@ class Autopilot(DrawnResult):
         for j, name in enumerate(self.conditions):
             if len(self.ships) > 1:
                 lines.append(f"  {name}")
-            lines.append("     u [m/s]  " + "".join(f"{n} [{GAINS[n][0]}]".rjust(12) for n in self.schedule.gains))
+            lines.append("     u [m/s]  " + "".join(f"{n} [{GAINS[n][0]}]".rjust(15) for n in self.schedule.gains))
             for i, speed in enumerate(self.speeds):
                 # As on the page: four digits of a gain, two decimals of a speed.
-                row = "".join(number(g[j][i]).replace("−", "-").rjust(12) for g in self.schedule.gains.values())
+                row = "".join(number(g[j][i]).replace("−", "-").rjust(15) for g in self.schedule.gains.values())
                 lines.append(f"  {fixed(speed, 2):>10s}  {row}")
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
 

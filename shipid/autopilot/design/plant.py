@@ -21,7 +21,7 @@ from shipid.generation.straight_course import straight_course
 from shipid.generation.system import generate
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.ship_coefficients import coefficients_at
-from shipid.parts.rudder_delay import LateRudder
+from shipid.parts.rudder_delay import LateRudder, not_steered, steered_by
 
 #: What an autopilot measures.
 MEASURED = ("psi", "r")
@@ -99,8 +99,14 @@ def check_steerable(model: Model) -> None:
         raise NotSteerableError(
             f"model {model.name} states no rate of turn 'r', which an autopilot feeds back. State it, derived or as a state."
         )
+    if steered_by(model) is None:
+        raise NotSteerableError(not_steered(model))
     if "delta" not in model.inputs:
-        raise NotSteerableError(f"model {model.name} reads no rudder angle 'delta', so an autopilot cannot steer it.")
+        machine = model["delta"].owner.__name__
+        raise NotSteerableError(
+            f"model {model.name} has the steering machine {machine} in it, and an autopilot is designed for the ship behind one: take the model "
+            f"without it. A steering machine is joined then; in Python yours with design_autopilot(..., actuator={machine})."
+        )
 
 
 def check_carries_delay(model: Model, actuator: type[Component]) -> None:
@@ -187,7 +193,7 @@ def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "del
     if "psi" not in names:
         raise NotSteerableError(
             f"the rudder of model {model.name} does not move its heading at {brief(float(np.min(speeds)))} m/s: the "
-            "linearisation is uncontrollable. Check the coefficient of the rudder."
+            "linearisation is uncontrollable. Check the coefficient of the rudder, and whether a dead band stands before it."
         )
     A, B, C = A[:, kept][:, :, kept], B[:, kept], C[:, :, kept]
     if not C[:, 1].any():

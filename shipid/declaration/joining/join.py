@@ -11,7 +11,7 @@ from shipid.declaration.joining.unit_check import check_units
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
 from shipid.foundation.aliases import Expression
-from shipid.foundation.errors import DeclarationError, UnitError
+from shipid.foundation.errors import DeclarationError, UnitError, nearest
 
 
 def join(name: str, *parts: type[Component] | Model) -> Model:
@@ -36,8 +36,8 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     Raises
     ------
     DeclarationError
-        If a name is stated twice, an equation is missing, derived quantities define each other in a circle, or a dead time delays
-        what is no input.
+        If a name is stated twice, an equation is missing, derived quantities define each other in a circle, a dead time delays
+        what is no input, or an output measures what is not there.
     UnitError
         If a unit is not SI, two components disagree about one, or an equation's terms do not match.
     """
@@ -51,7 +51,9 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     for part in parts:
         for entry in _entries(part):
             _check_declared_unit(entry)
-            for attribute in ("start", "low", "high", "spread", "nominal", "default"):
+            # The noise of a state may be a density; a filter reads it.
+            noise = ("noise",) if entry.quantity.kind == "output" else ()
+            for attribute in ("start", "low", "high", "spread", "nominal", "default", *noise):
                 entry.number(attribute)
             if entry.name not in order:
                 order.append(entry.name)
@@ -69,6 +71,8 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     for entry in stated.values():
         _check_delay(name, entry, stated, given)
     entries = {n: stated.get(n) or _input(given[n]) for n in order}
+    for entry in stated.values():
+        _check_measured(name, entry, entries)
     model = Model(name, entries, tuple(components), tuple(dict.fromkeys(n for n in extended if n != name)))
     check_units(model)
     return model
@@ -97,7 +101,7 @@ def _check_declared_unit(entry: Entry) -> None:
     if not coherent:
         raise UnitError(
             f"'{entry.name}' of {entry.owner.__name__} is declared in {units.pretty(entry.unit)}, which is not a coherent "
-            "SI unit. Declare it in SI (rad, m, s): values may come in any unit that fits."
+            f"SI unit. Declare it in {units.pretty(units.coherent(entry.unit))}: values may come in any unit that fits."
         )
 
 
@@ -167,6 +171,24 @@ def _check_delay(model: str, entry: Entry, stated: dict[str, Entry], given: dict
         raise DeclarationError(
             f"model {model}: '{entry.name}' delays the input '{late}', and {_where(source)} states '{late}' without it: "
             "a dead time is carried where that is a record, and by LateSteeringMachine. Choose the model without it."
+        )
+
+
+def _check_measured(model: str, entry: Entry, entries: dict[str, Entry]) -> None:
+    """Refuse an output that measures what the model does not have, or shows it in another unit: a log holds it under one name."""
+    measured = entry.quantity.measures
+    if measured is None:
+        return
+    if measured not in entries:
+        raise DeclarationError(
+            f"model {model}: '{entry.name}' of {entry.owner.__name__} measures '{measured}', which is no quantity of the model. "
+            f"{nearest(measured, entries)}".strip()
+        )
+    if not units.same_dimension(entry.unit, entries[measured].unit):
+        raise UnitError(
+            f"model {model}: '{entry.name}' of {entry.owner.__name__} is in {units.pretty(entry.unit)}, and measures '{measured}' in "
+            f"{units.pretty(entries[measured].unit)}: a log has one column for both. Leave measures=... out; the log then holds a column "
+            f"'{entry.name}'."
         )
 
 

@@ -126,8 +126,9 @@ class _Checked(Evaluation):
             if (words := _in_words(error)) is not None:
                 raise UnitError(f"{where} ({place}): the units do not match: {words}.") from None
             raise DeclarationError(
-                f"{where} ({place}) raises {type(error).__name__}: {error}. An equation has to run with any numbers: correct "
-                "the line, and use NumPy's functions in it."
+                f"{where} ({place}) raises {type(error).__name__}: {str(error).rstrip('. ')}. An equation has to run with any "
+                "numbers: correct the line. What it may use is arithmetic, abs, NumPy's elementwise functions, np.where and np.interp, "
+                "each of single quantities and not of arrays."
             ) from error
         checked = _checked(result, wanted, where, equation.place, entry)
         self._same_without_units(entry, checked, where)

@@ -25,6 +25,7 @@ from shipid.foundation.errors import UsageError
 from shipid.foundation.numbers import brief, moment
 from shipid.foundation.result import Result
 from shipid.trials.filling import slope
+from shipid.trials.fitness import check_column_units
 from shipid.trials.logs.conversion import unwrapped
 from shipid.trials.logs.reading import trials_of
 from shipid.trials.stretches import is_order
@@ -237,12 +238,16 @@ def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = Fa
         If it lacks an input that declares no default.
     SensorRateError
         If a sensor is to be read more often than the record is sampled.
+    ColumnUnitError
+        If a column has another unit than the sensor or the input.
     UsageError
         If its time stamps cannot be used.
     NoStretchError
         If no sample lies between samples of every input.
     """
     columns, name = columns_of(record)
+    if isinstance(record, Trial):
+        check_column_units(record, instruments.model, (*instruments.model.inputs, *instruments.sensors))
     forward, t = filter_time(columns["t"])
     if not t.size or (t.size == 1 < forward.size):
         raise UsageError(

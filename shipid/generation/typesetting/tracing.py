@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
 from shipid.foundation.aliases import Expression
+from shipid.foundation.errors import ShipidError
 
 if TYPE_CHECKING:
     import sympy
@@ -32,6 +33,15 @@ class _Traced(np.lib.mixins.NDArrayOperatorsMixin):
         self, func: Callable[..., object], _types: object, args: Sequence[Expression], _kwargs: object
     ) -> _Traced:
         return _call(func.__name__, args)
+
+    def __round__(self, digits: int = 0) -> _Traced:
+        return _call("round", (self, digits))
+
+    def __floor__(self) -> _Traced:
+        return _call("floor", (self,))
+
+    def __ceil__(self) -> _Traced:
+        return _call("ceil", (self,))
 
 
 def _expr(value: Expression) -> sympy.Basic:
@@ -136,4 +146,17 @@ def right_hand_sides(model: Model) -> list[tuple[Entry, sympy.Basic]]:
 
     symbols = {n: _Traced(sympy.Symbol(n, real=True)) for n in [*model.entries, SAMPLING_INTERVAL]}
     evaluation = Evaluation(model, symbols)
-    return [(e, _expr(evaluation.equation(e))) for e in model.entries.values() if e.equation is not None]
+    return [(e, _printed(evaluation, e)) for e in model.entries.values() if e.equation is not None]
+
+
+def _printed(evaluation: Evaluation, entry: Entry) -> sympy.Basic:
+    """The right side of an equation; its name where it does with symbols of CasADi what SymPy cannot."""
+    import sympy
+
+    try:
+        return _expr(evaluation.equation(entry))
+    except ShipidError:
+        raise
+    except Exception:  # it runs, and what runs is shown by name
+        assert entry.equation is not None
+        return sympy.Symbol(entry.equation.name)

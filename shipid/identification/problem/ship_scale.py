@@ -38,11 +38,19 @@ def guessed_unit_time(trials: Sequence[Trial]) -> float:
     guesses = []
     for trial in trials:
         # The middle of its range: a rudder that lies to one side for more than half of the time has its median there.
-        delta = trial["delta"][np.isfinite(trial["delta"])]
-        delta = delta - np.mean(np.quantile(delta, [0.05, 0.95]))
-        changes = np.flatnonzero(np.diff(np.sign(delta[np.abs(delta) > 0.3 * np.abs(delta).max()])))
-        guesses.append(trial.duration / max(1.0, (changes.size + 1) / 2) / 9)
+        for moved in _moved(trial):
+            delta = moved - np.mean(np.quantile(moved, [0.05, 0.95]))
+            changes = np.flatnonzero(np.diff(np.sign(delta[np.abs(delta) > 0.3 * np.abs(delta).max()])))
+            guesses.append(trial.duration / max(1.0, (changes.size + 1) / 2) / 9)
     return float(np.median(guesses))
+
+
+def _moved(trial: Trial) -> list[np.ndarray]:
+    """The rudder of a trial, or its order; of a ship without one everything in the log that moves."""
+    columns = {n: trial[n][np.isfinite(trial[n])] for n in trial.table.columns if n != "t"}
+    moving = {n: values for n, values in columns.items() if values.size and np.ptp(values) > 0}
+    rudder = [moving[n] for n in ("delta", "delta_order") if n in moving][:1]
+    return rudder or list(moving.values())
 
 
 def scale_of(ship: ParameterSet, trials: Sequence[Trial], length: float | None = None) -> Scale:

@@ -49,14 +49,16 @@ def usual_signals(model: Model, measured: Collection[str]) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Heading, rate of turn, forward and sway speed, and what else is a state of the model, such as a shaft speed, as far
-        as they are measured and predicted. Where the sway speed is predicted and not measured, the track replaces it, with a
+        Heading, rate of turn, forward and sway speed, and what else is a state of the model, such as a shaft speed, or an output
+        with a column of its own, such as a leeway, as far as they are measured and predicted. Where the sway speed is predicted and not measured, the track replaces it, with a
         constant current of its own in each trial.
     """
     predicted = {n for n in model.entries if is_predicted(model, n)}
     found = tuple(n for n in SIGNALS if n in predicted and n in measured)
     # Where a log shows the angle of the rudder, that is what the ship is steered with, and no answer of hers.
     found += tuple(n for n in model.states if n in measured and n not in (*SIGNALS, *TRACK, "delta"))
+    # Where the log holds the quantity itself, the output that measures it is what the log shows of it (`shown_by`).
+    found += tuple(n for n in model.outputs if n in measured and model[n].quantity.measures not in measured)
     if "v" in predicted and "v" not in found and set(TRACK) <= set(measured):
         found += tuple(n for n in TRACK if n in predicted)
     return found

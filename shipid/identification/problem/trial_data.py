@@ -13,6 +13,7 @@ from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
 from shipid.identification.problem.first_guess import first_guess
 from shipid.trials.filling import interpolated, usual_interval
+from shipid.trials.fitness import check_column_units
 from shipid.trials.speed import PUT_OVER, check_ahead, check_way, recorded_speed, speed_before_in
 from shipid.trials.stretches import stretches_of
 from shipid.trials.trial import Trial
@@ -295,9 +296,12 @@ def prepare(
     ------
     UnstatedInputError
         If the trial lacks an input that has an influence on the signals and declares no default.
+    ColumnUnitError
+        If a column has another unit than the quantity of the model.
     NotAheadError
         If the ship does not go ahead, and the speed stands in the model.
     """
+    check_column_units(trial, model)
     t, columns = trial["t"], {n: trial[n] for n in trial.table.columns}
     first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
     whole = trial if recorded_in is None else recorded_in

@@ -22,7 +22,7 @@ from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.manoeuvring_range import manoeuvring_range
-from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
+from shipid.parts.rudder_delay import gear_of, recorded_rudder, steered_by
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 
 #: Samples in L/U of the record that is differentiated; how often sensors sample is in the weights.
@@ -139,14 +139,14 @@ class Experiment:
         speed = candidate.speed
         unit, interval = self.length / speed, self.interval(speed)
         planned = plan(candidate.manoeuvre, unit, 0.0, self.limit, candidate.seed, duration, known.get("delta_rate"))
-        steered = _steered(self.model, planned.helm)  # type: ignore[arg-type]  # a class is hashable
+        steered = _steered(self.model, planned.helm)
         fine = steps_of_helm(interval, unit)
         t = np.arange((int(duration / interval + 1e-9)) * fine + 1) * (interval / fine)
         schedule = planned.scheduled(t) if planned.schedule else 0.0
         inputs = _approach(speed) | {"helm_schedule": schedule}
         given = {**known, **planned.constants, "L": self.length}
         run = steered(t, given, inputs, {"u": speed, "psi": 0.0}, where=_WHERE)
-        return None if run.departure is not None else run[recorded_rudder(steered.model)][::fine]
+        return None if run.departure is not None else run[_recorded(self.model, steered.model)][::fine]
 
     def information(
         self, candidate: CandidateManoeuvre, durations: Sequence[float], known: Mapping[str, float], size: np.ndarray
@@ -174,7 +174,7 @@ class Experiment:
         if rudder is None:
             return None
         speed, interval = candidate.speed, self.interval(candidate.speed)
-        inputs = _approach(speed) | {"delta": rudder}
+        inputs = _approach(speed) | {steered_by(self.model) or "delta": rudder}
         t = np.arange(rudder.size) * interval
         slope = self.simulator(t, known, inputs, {"u": speed, "psi": 0.0}, where=_WHERE).slopes.copy()
         slope[:, : size.size] *= size[:, None]
@@ -204,8 +204,13 @@ def _approach(speed: float) -> dict[str, float | np.ndarray]:
 @functools.lru_cache(maxsize=64)
 def _steered(model: Model, helm: type[Component]) -> Simulator:
     """The closed loop of one helmsman: it shows the rudder, and whether the model sails the manoeuvre."""
-    whole = join(model.name, model, steering_machine_of(model), helm, *manoeuvring_range(model))
-    return make_simulator(whole, (recorded_rudder(whole),), hold="zero")
+    whole = join(model.name, model, *gear_of(model), helm, *manoeuvring_range(model))
+    return make_simulator(whole, (_recorded(model, whole),), hold="zero")
+
+
+def _recorded(model: Model, whole: Model) -> str:
+    """What a log holds of the input by which a model is steered, of the model in closed loop."""
+    return recorded_rudder(whole) if steered_by(model) == "delta" else "delta_order"
 
 
 def gather(slope: np.ndarray, ends: Sequence[int]) -> np.ndarray:

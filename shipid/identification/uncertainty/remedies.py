@@ -14,6 +14,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.problem.prior import structural_errors
 from shipid.identification.problem.signals import SIGNALS, is_predicted, unknown_biases
 from shipid.identification.uncertainty.information import CandidateManoeuvre, Experiment
+from shipid.parts.rudder_delay import steered_by
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
 
 #: A manoeuvre helps if it narrows the direction to this part; a pair of trials of one kind gives 0.7.
@@ -98,7 +99,7 @@ class Remedies:
         identified, problem = self._identified, self._identified.problem
         model, first = problem.model, problem.trials[0]
         length, unit_time = identified.ship.particular("L", "m"), identified.scale.unit_time
-        if length is None or "delta" not in model.inputs:
+        if length is None or steered_by(model) is None:
             return
         speed = length / unit_time
         limit = identified.ship.particular("delta_max", "rad") or np.deg2rad(35.0)

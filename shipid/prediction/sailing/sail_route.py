@@ -153,7 +153,7 @@ def sail_route(
         rudder_limit=None if rudder_limit is None else number(rudder_limit, "rad", "the rudder limit"),
     )
     pushed = driven_by(truth)[0]
-    parts = (*windy, Waves) if waves is not None and pushed == "wave_noise" else windy
+    parts: tuple[type[Component], ...] = (*windy, Waves) if waves is not None and pushed == "wave_noise" else windy
     whole = closed_loop(steered, *parts)
     known, acting = stated_values(whole, values), {**flows, **stated_inputs(whole, inputs)}
     if waves is not None:

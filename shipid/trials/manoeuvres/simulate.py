@@ -23,9 +23,8 @@ from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, lacks_length, lacks_speed, missing_values
 from shipid.parameters.replaced import with_values
 from shipid.parameters.validity import beyond_in_run
-from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
-from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
+from shipid.parts.rudder_delay import gear_of, not_steered, recorded_rudder, steered_by
 from shipid.parts.sensors import shown_by
 from shipid.parts.waves import Waves
 from shipid.trials.manoeuvres.flows import (
@@ -86,7 +85,8 @@ def simulate(
     Parameters
     ----------
     model : Model, component class or str
-        A ship model with a heading ``psi`` that reads the rudder angle ``delta``, or its name.
+        A ship model with a heading ``psi`` that reads the rudder angle ``delta``, or with a steering machine of its own that states
+        it behind ``delta_order``; or its name.
     ship : ParameterSet, str or Path
         The ship, its name or its file.
     manoeuvre : Manoeuvre or str
@@ -110,7 +110,8 @@ def simulate(
     inputs : mapping of str to str or float, optional
         Inputs of the model that are held, with units or in SI.
     steering : bool
-        Whether the rudder follows through the ship's steering machine (limit and rate limit).
+        Whether the rudder follows through the ship's steering machine (limit and rate limit). A machine that the model has of its
+        own stays.
     values : mapping of str to str or float, optional
         Values with units that replace those of the ship.
     seed : int
@@ -178,9 +179,11 @@ def simulate(
         acting["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
     logged = recorded_rudder(whole)
-    own = {n: model[n].unit for n in model.states if n not in FIELDS}
+    # What an output measures is recorded under the name of that; another is a column of its own.
+    shown = [n for n in model.outputs if model[n].quantity.measures is None]
+    own = {n: model[n].unit for n in (*model.states, *shown) if n not in FIELDS}
     deviations = parse_noise(noise, own)
-    kept = (*RECORDED, *(n for n in model.states if n in _OWN or (n in own and n in deviations)))
+    kept = (*RECORDED, *(n for n in (*model.states, *shown) if n in _OWN or (n in own and n in deviations)))
     there = [n for n in (*kept, *_WAVED.values()) if n in whole]
     reading = dict(zip(there, shown_by(whole, there))) | ({"delta": logged} if "delta" in there else {})
     columns_shown = list(reading.values())
@@ -251,11 +254,10 @@ def usual_interval_of(unit_time: float) -> float:
 
 
 def _with_steering(model: Model, helm: type[Component], steering: bool, wind: Flow | None, waves: bool) -> Model:
-    if "delta" not in model.inputs:
-        raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
-    rudder = steering_machine_of(model) if steering else DirectRudder
+    if steered_by(model) is None:
+        raise UsageError(not_steered(model))
     extra = (*parts_in_wind(model, wind), *((Waves,) if waves else ()))
-    return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
+    return join(model.name, model, *gear_of(model, direct=not steering), helm, *extra, *manoeuvring_range(model))
 
 
 def _with_values(whole: Model, values: Mapping[str, str | float]) -> tuple[Model, dict[str, float]]:

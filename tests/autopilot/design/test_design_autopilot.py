@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import re
+from dataclasses import replace
 
 import control
 import numpy as np
@@ -210,6 +212,10 @@ def test_a_result_says_what_it_is(container, integral):
     assert set(found["gains"]) == {"Kp", "Kd", "Ki"}
     assert len(found["poles"]["value"]) == len(found["speeds"]["value"]) and len(found["poles"]["value"][0]) == 3
     assert "autopilot of soesterberg (de-keizer), pid" in integral.text()
+    # Wide enough for a power of ten: the columns ran into each other.
+    small = replace(integral.schedule, gains={n: g * 1e-8 for n, g in integral.schedule.gains.items()})
+    rows = replace(integral, schedule=small).text().splitlines()[2 : 2 + len(integral.speeds)]
+    assert all(len(re.findall(r"(?<=\s)\S+ × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+(?!\S)", row)) == 3 for row in rows)
     assert pickle.loads(pickle.dumps(container)).to_dict() == container.to_dict()
 
 

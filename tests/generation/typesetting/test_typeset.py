@@ -147,6 +147,33 @@ def test_an_equation_with_a_table_is_typeset() -> None:
     assert "interp(delta" in printed.plain and "0.3" in printed.plain and "<math" in printed.mathml
 
 
+class Stepped(Tabled):
+    """A rudder that stands in steps."""
+
+    def yaw(self) -> Any:
+        """Notebook, page 4."""
+        return self.a * round(self.delta, 1)
+
+
+def test_what_python_rounds_is_typeset() -> None:
+    """It runs over symbols of CasADi, and was "a fault in shipid itself" in print."""
+    (printed,) = typeset(join("stepped", Stepped))
+    assert "round(delta, 1)" in printed.plain
+
+
+class Transposed(Tabled):
+    """What has a value over numbers and symbols, and no print."""
+
+    def yaw(self) -> Any:
+        """Notebook, page 5."""
+        return self.a * self.delta.T
+
+
+def test_what_cannot_be_printed_stands_by_the_name_of_its_equation() -> None:
+    (printed,) = typeset(join("transposed", Transposed))
+    assert printed.plain == "dr/dt = yaw"
+
+
 def test_what_is_no_model_is_not_typeset() -> None:
     for verb in (typeset, generate):
         with pytest.raises(UsageError, match="find_model"):

@@ -8,12 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from shipid import Component, Trial, find_model, given, join, parameter, state
+from shipid import Component, Trial, constant, find_model, given, join, output, parameter, state
 from shipid.identification.errors import NothingToFitError
 from shipid.identification.problem.prior import STRUCTURE_SPEED, structural_errors
 from shipid.identification.problem.signals import fitted_signals
 from shipid.identification.problem.trial_data import prepare
 from shipid.models import Nomoto, PlanarMotion
+from shipid.parts.sensors import FaultyGyro
 
 
 class Engine(Component):
@@ -66,3 +67,30 @@ def test_its_weight_goes_by_its_size(trial):
     model = join("with an engine", Nomoto, PlanarMotion, Engine)
     data = prepare(model, trial, ("psi", "r", "n"), 5.0, 10.0, trial)
     assert structural_errors(("psi", "n"), data, 10.0)[1] == pytest.approx(2.0 * STRUCTURE_SPEED)
+
+
+class Inclinometer(Component):
+    """What an instrument shows that is no field of the vocabulary."""
+
+    r = given("rad/s", "rate of turn")
+    heel_per_rate = constant("s", "heel for each rate of turn", default=2.0)
+    bubble = output("rad", "inclinometer")
+
+    @bubble.equals
+    def reading(self):
+        """Made up."""
+        return self.heel_per_rate * self.r
+
+
+def test_a_measured_output_of_the_model_is_fitted(trial):
+    """A leeway that was declared and logged was left out without a word, and a coefficient came out surely wrong."""
+    model = join("with an inclinometer", Nomoto, PlanarMotion, Inclinometer)
+    logged = replace(trial, table=trial.table.assign(bubble=0.1 * trial["r"]))
+    assert fitted_signals(model, [logged]) == ("psi", "r", "bubble")
+    assert fitted_signals(model, [trial]) == ("psi", "r")
+
+
+def test_the_reading_of_an_instrument_stands_for_what_it_measures_once(trial):
+    model = join("with a gyro", Nomoto, PlanarMotion, FaultyGyro)
+    logged = replace(trial, table=trial.table.assign(gyro=trial["r"]))
+    assert fitted_signals(model, [logged]) == ("psi", "r")

@@ -9,10 +9,13 @@ from shipid import (
     Component,
     ParameterSet,
     Trial,
+    constant,
     find_model,
     find_ship,
     given,
     join,
+    output,
+    parameter,
     read_trial,
     simulate,
     state,
@@ -390,6 +393,69 @@ def test_an_engine_is_recorded_where_a_sensor_shows_it() -> None:
     assert not simulate(model, "zeefakkel", "zigzag:20/20", noise="standard", **asked).has("n")
     shown = simulate(model, "zeefakkel", "zigzag:20/20", noise="psi=0.2 deg,n=0.5 rpm", **asked)
     assert np.std(shown["n"] - bare["n"]) == pytest.approx(0.5 / 60, rel=0.2)
+
+
+class Bubble(Component):
+    """An instrument of the user's own."""
+
+    r = given("rad/s", "rate of turn")
+    per_rate = constant("s", "angle for each rate of turn", default=2.0)
+    bubble = output("rad", "inclinometer")
+
+    @bubble.equals
+    def reading(self) -> Plain:
+        """A test."""
+        return self.per_rate * self.r
+
+
+def test_an_output_of_its_own_is_recorded_where_noise_gives_it_a_sensor() -> None:
+    model = join("with an inclinometer", *find_model("nomoto").components, Bubble)
+    shown = simulate(model, "zeefakkel", "zigzag:20/20", noise="psi=0.2 deg,bubble=0.1 deg")
+    assert shown.unit("bubble") == "rad"
+    assert np.std(shown["bubble"] - 2 * shown["r"]) == pytest.approx(0.1 * DEG, rel=0.1)
+    assert not simulate(model, "zeefakkel", "zigzag:20/20", noise="standard").has("bubble")
+
+
+class Machine(Component):
+    """A steering machine with a time constant, and no limits."""
+
+    delta = state("rad", "rudder angle, positive turns to starboard")
+    delta_order = given("rad", "rudder order, positive turns to starboard")
+    T_d = parameter("s", "time constant of the machine", start=2.0, low=0.1, high=30.0)
+
+    @delta.rate
+    def move(self) -> Plain:
+        """A test."""
+        return (self.delta_order - self.delta) / self.T_d
+
+
+def test_a_model_with_a_steering_machine_of_its_own_is_steered_by_the_order() -> None:
+    """It was refused as one that reads no rudder, though the guide says that such a part joins."""
+    model = join("steered", *find_model("nomoto").components, Machine)
+    trial = simulate(model, "zeefakkel", "zigzag:20/20", values={"T_d": "3 s"}, sampling="0.5 s")
+    order, rudder = trial["delta_order"], trial["delta"]
+    first = int(np.flatnonzero(order)[0])
+    assert rudder[first + 6] / order[first] == pytest.approx(1 - np.exp(-1), rel=0.02)
+
+
+class DepthPlane(Component):
+    """What no rudder steers."""
+
+    q = state("rad/s", "pitch rate")
+    stern = given("rad", "angle of the stern planes")
+    lag = parameter("s", "time constant", start=3.0)
+
+    @q.rate
+    def pitch(self) -> Plain:
+        """A test."""
+        return self.stern / self.lag**2
+
+
+def test_a_model_that_no_rudder_steers_is_told_what_to_do() -> None:
+    with pytest.raises(
+        UsageError, match=r"no rudder angle 'delta'.*'delta_order'.*derived from one delta.*shipid identify"
+    ):
+        simulate(join("submarine", DepthPlane, PlanarMotion), "zeefakkel", "zigzag:20/20")
 
 
 def test_no_ship_is_told_as_such() -> None:
