@@ -240,8 +240,7 @@ class Criteria(DrawnResult):
             lines.append(
                 f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {verdict}".rstrip()
             )
-        if self.spiral is not None:
-            lines.append("  spiral: " + spiral_words(self.spiral).replace(", beyond", ", BEYOND"))
+        lines.append("  spiral: " + spiral_words(self.spiral).replace(", beyond", ", BEYOND"))
         lines += [f"  not covered: {what}" for what in NOT_COVERED]
         return "\n".join([*lines, *(f"  {n}" for n in self.notes)])
 
@@ -251,14 +250,16 @@ def _plain(side: CriterionSide, unit: str) -> dict[str, Plain]:
     return {"value": side.value, "unit": unit, "interval_95": ends, "words": side.words}
 
 
-def spiral_words(spiral: Mapping[str, Plain]) -> str:
+def spiral_words(spiral: Mapping[str, Plain] | None) -> str:
     """Return what a spiral shows, in words: whether the ship is stable, her loop with its band, and its width beside the limit.
 
     Parameters
     ----------
-    spiral : mapping
+    spiral : mapping or None
         See `Criteria`.
     """
+    if spiral is None:
+        return "not found, since no single rudder angle holds each rate of turn: the turn depends on the heading, or the rudder has a dead band"
     band, height = spiral["loop_width"]["interval_95"], spiral["loop_height"]["value"]
     words = "stable on a straight course" if spiral["stable"] else "unstable on a straight course"
     if spiral["loop_width"]["value"] == 0:

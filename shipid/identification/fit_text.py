@@ -17,6 +17,7 @@ from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import ASTERN, MOTION_UNEXPLAINED, NOT_DETERMINED, WIND_UNREAD
 from shipid.identification.evidence.missing_effect import EFFECT_MISSING
 from shipid.identification.evidence.record_doubts import SEEN_BEFORE, TRIAL_TWICE
+from shipid.identification.evidence.several_ends import ANOTHER_MINIMUM
 from shipid.identification.methods import METHODS
 from shipid.identification.problem.prior_shares import held_words
 from shipid.identification.search.noise_levels import APART, LASTING, NoiseLevels
@@ -31,6 +32,7 @@ from shipid.trials.signals.ship_length import SHIP_LENGTH
 #: The kinds of warnings that stand before the coefficients.
 FIRST = (
     NOT_DETERMINED,
+    ANOTHER_MINIMUM,
     MOTION_UNEXPLAINED,
     EFFECT_MISSING,
     LASTING,

@@ -22,8 +22,9 @@ from shipid.identification.evidence.between_samples import follow_corners
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import COURSE_KEPT, UNEXPLAINED, least_unexplained, nothing_explained
 from shipid.identification.evidence.load_part import LoadPart, weigh_load_part
-from shipid.identification.evidence.marginal_likelihood import Weighing, conclude
+from shipid.identification.evidence.marginal_likelihood import Weighing
 from shipid.identification.evidence.missing_effect import missing_effect
+from shipid.identification.evidence.several_ends import conclude_likeliest, undecided
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import method_words
 from shipid.identification.identified import Identified
@@ -229,7 +230,7 @@ def _by_residuals(problem: Problem, box: Box, method: Method | None, how: Search
     rough = replace(how, weigh=False)
     solution, rungs = climb(independent_samples(problem, unit_time), box, method, rough)
     weighing = Weighing(least, not how.weigh, INDEPENDENT * unit_time, how.tell, records)
-    solution, spread = conclude(solution, problem, box, weighing)
+    solution, spread, rungs = conclude_likeliest(solution, rungs, problem, box, weighing)
     return _Found(follow_corners(solution, box), rungs, box, spread)
 
 
@@ -328,7 +329,8 @@ def _result(
     if spreads:
         covariance = covariance_of(solution, np.array([spreads.get(n, np.inf) for n in problem.estimated]))
     block = covariance.matrix[:shared, :shared]
-    words = unseen_words({n: float(solution.q[problem.estimated.index(n)]) for n in unseen}, setting.stated)
+    words = undecided(solution.notices)
+    words |= unseen_words({n: float(solution.q[problem.estimated.index(n)]) for n in unseen}, setting.stated)
     degrees = None if solution.levels is None else solution.levels.degrees
     used = next(r for r in rungs if r.used)
     length = setting.known.get("L", setting.ship.particular("L", "m"))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid import Component, given, join, parameter, state
 from shipid.criteria.criteria import (
     Criterion,
     CriterionSide,
@@ -21,6 +22,7 @@ from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 from shipid.criteria.spiral import spiral_of
 from shipid.declaration.guard import NOT_SAILED
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.models import PlanarMotion
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 from shipid.parameters.replaced import with_values
@@ -125,6 +127,32 @@ def test_a_stable_ship_whose_hard_turn_runs_away_has_no_loop() -> None:
     spiral = spiral_of(shipid.find_model("norrbin"), known | {"b3": -known["b3"]}, U, L)
     assert spiral.rudder[-1] < -1.0
     assert (spiral.half_width, spiral.loop_height, spiral.stable) == (0.0, 0.0, True)
+
+
+class Slack(Component):
+    """A first-order ship whose rudder does nothing within half a degree."""
+
+    r = state("rad/s", "rate of turn")
+    delta = given("rad", "rudder angle, positive turns to starboard")
+    K = parameter("1/s", "gain", start=0.05, low=0.001, high=1.0)
+    T = parameter("s", "time constant", start=20.0, low=1.0, high=200.0)
+
+    @r.rate
+    def yaw(self):
+        """Made up."""
+        beyond = np.maximum(abs(self.delta) - 0.01, 0.0) * np.sign(self.delta)
+        return (self.K * beyond - self.r) / self.T
+
+
+def test_a_spiral_that_cannot_be_followed_is_said_to_be_missing():
+    """Of a rudder with a dead band the line of the spiral was left out."""
+    slack = join("slack", Slack, PlanarMotion)
+    own = {"L": "100 m", "speed": "8 m/s", "K": "0.05 1/s", "T": "20 s"}
+    ship = with_values(ParameterSet("own", {"particulars": {}}), own, [slack])
+    result = manoeuvring_criteria(slack, ship, draws=0)
+    assert result.spiral is None
+    for text in (result.text(), render(result)):
+        assert "not found, since no single rudder angle holds each rate of turn" in text
 
 
 def test_sway_and_speed_take_part_in_the_steady_state():

@@ -126,7 +126,7 @@ def follow_corners(solution: Solution, box: Box) -> Solution:
         return solution
     step = followed.q - solution.q
     others = tuple(replace(o, problem=replace(o.problem, trials=trials), q=o.q + step) for o in solution.others)
-    return replace(followed, others=others)
+    return replace(followed, others=others, notices=solution.notices)
 
 
 def input_errors(data: TrialData) -> np.ndarray:

@@ -9,7 +9,7 @@ Costs of the rungs are those of output error on thinned records under the first 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,6 +45,8 @@ _ROUGH = 1e-4
 _BETTER = 0.999
 """A start is better than an earlier one where its cost is smaller by this factor: searches that rough end by chance at either of two
 equal ones, and the first start is what is known of the ship."""
+_ALIKE, _OTHERS = 4.5, 3
+"""Half the squares of three standard deviations: what tells two ends of a search apart, in cost and in place; and how many are kept."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,8 @@ def climb(problem: Problem, box: Box, method: Method | None, how: SearchSettings
 def _by_output_error(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
     end = refine(problem, best, box, how.weigh, how.tell)
-    return end, (_rung("output-error", best, f"asked for; {_starts(how)}.", used=True, converged=end.converged),)
+    rung = _rung("output-error", best, f"asked for; {_starts(how)}.", used=True, converged=end.converged)
+    return _with_others(end, _refined(problem, best, end, box, how)), (rung,)
 
 
 def _by_the_ladder(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
@@ -119,7 +122,8 @@ def _by_the_ladder(problem: Problem, box: Box, how: SearchSettings) -> tuple[Sol
         how.tell(f"start by {rungs[-1].method}: cost {brief(other.cost, 4)}")
         better = other.cost < _BETTER * best.cost
         evaluations = best.evaluations + other.evaluations
-        best = replace(other if better else best, evaluations=evaluations)
+        elsewhere = _alike([other, best, *best.elsewhere] if better else [best, other, *best.elsewhere])
+        best = replace(other if better else best, evaluations=evaluations, elsewhere=elsewhere)
         came = "best from there" if better else "no better from there than from other starts"
         rungs[-1] = replace(rungs[-1], reason=f"{rungs[-1].reason} Output error came {came}.")
     if not best.finite:
@@ -129,8 +133,8 @@ def _by_the_ladder(problem: Problem, box: Box, how: SearchSettings) -> tuple[Sol
     if end.converged:
         words = _starts(how) + (", and one by regression." if first is not None else ".")
         rungs.append(_rung("output-error", best, words, used=True, converged=True))
-        return end, tuple(rungs)
-    rungs.append(_rung("output-error", best, f"did not converge: {end.message}"))
+        return _with_others(end, _refined(problem, best, end, box, how)), tuple(rungs)
+    rungs.append(_rung("output-error", best, f"did not converge under the first weights: {end.message}"))
     return _rescued(problem, thin, best, box, how, rungs, end)
 
 
@@ -144,10 +148,15 @@ def _rescued(
     before: Solution | None = None,
 ) -> tuple[Solution, tuple[Rung, ...]]:
     """Multiple shooting from the best start and the first one, finished by output error, where that succeeds."""
+    # The first values themselves, too: a search may leave what is known of the ship for a place that the first weights hold no worse.
+    q = thin.first_guess(box.start)
+    residual, jacobian = problem.residuals(q)
+    first = Solution(problem, q, residual, jacobian, False, "the first values.", 1)
+    elsewhere = [first, *_refined(problem, best, before, box, how)]
     if problem.model.delays:
         # A segment does not hold the inputs before it, which a dead time reads.
         end = before or refine(problem, best, box, how.weigh, how.tell)
-        return end, (*rungs[:-1], replace(rungs[-1], used=True))
+        return _with_others(end, elsewhere), (*rungs[:-1], replace(rungs[-1], used=True))
     starts = [best.q, thin.first_guess(box.start)]
     found = _shot(thin, starts[: 1 if np.allclose(starts[0], starts[1]) else 2], box, how)
     end = refine(problem, found, box, how.weigh, how.tell) if found.finite else found
@@ -156,11 +165,38 @@ def _rescued(
     kept = before is None or (end.converged and not before.converged) or (end.finite and end.cost < before.cost)
     reason = f"the rescue; {found.message}"
     rungs.append(_rung("multiple-shooting", found, reason, used=kept, converged=end.converged))
+    end = replace(end, end_of="multiple-shooting")
+    others = [] if before is None else [replace(before, end_of="output-error"), *elsewhere]
     if not kept and before is not None:
         at = next(k for k, r in enumerate(rungs) if r.method == "output-error")
         rungs[at] = replace(rungs[at], used=True)
-        end = before
-    return replace(end, evaluations=sum(r.evaluations for r in rungs)), tuple(rungs)
+        end, others[0] = others[0], end
+    return _with_others(replace(end, evaluations=sum(r.evaluations for r in rungs)), others), tuple(rungs)
+
+
+def _with_others(end: Solution, others: Sequence[Solution]) -> Solution:
+    """An end with the other places that noise may hold for better."""
+    if not others:
+        return end
+    elsewhere = tuple(replace(o, evaluations=0, end_of=o.end_of or "output-error") for o in others if o.finite)
+    return replace(end, end_of=end.end_of or "output-error", elsewhere=elsewhere)
+
+
+def _refined(problem: Problem, best: Solution, end: Solution | None, box: Box, how: SearchSettings) -> list[Solution]:
+    """The ends beside the best of the starts, gone on from as from that; those that come out where it did are left out."""
+    found = [refine(problem, other, box, how.weigh, how.tell) for other in best.elsewhere]
+    return found if end is None or not end.finite else list(_alike([end, *found]))
+
+
+def _alike(ends: Sequence[Solution]) -> tuple[Solution, ...]:
+    """The ends beside the first one that the weights hold for no worse, and that lie where it leads nobody to expect so good a fit."""
+    best, *others = ends
+    found: list[Solution] = []
+    for other in sorted(others, key=lambda s: s.cost):
+        near = any(0.5 * float(np.sum((s.jacobian @ (other.q - s.q)) ** 2)) < _ALIKE for s in (best, *found))
+        if other.finite and other.cost - best.cost < _ALIKE and not near:
+            found.append(other)
+    return tuple(found[:_OTHERS])
 
 
 def _by_multiple_shooting(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
@@ -197,7 +233,8 @@ def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchS
     for other in tried[1:]:
         if other.cost < _BETTER * best.cost:
             best = other
-    return replace(best, evaluations=sum(s.evaluations for s in tried))
+    elsewhere = _alike([best, *(s for s in tried if s is not best)])
+    return replace(best, evaluations=sum(s.evaluations for s in tried), elsewhere=elsewhere)
 
 
 def _regressed(thin: Problem, box: Box, how: SearchSettings) -> tuple[np.ndarray | None, Rung | None]:

@@ -63,6 +63,10 @@ class Solution:
         Whether the unknowns minimise what an autoregression leaves of the residuals (`shipid.identification.noise.whitened`).
     notices : tuple of Notice
         What there is to say of the search.
+    end_of : str or None
+        The method that ended here, where there is more than one end.
+    elsewhere : tuple of Solution
+        Other places where the search ended, which its weights hold for no worse (`shipid.identification.evidence.several_ends`).
     """
 
     problem: Problem
@@ -77,6 +81,8 @@ class Solution:
     others: tuple[SolutionAtSpread, ...] = ()
     whitened: bool = False
     notices: tuple[Notice, ...] = ()
+    end_of: str | None = None
+    elsewhere: tuple[Solution, ...] = field(default=(), repr=False)
 
     @property
     def finite(self) -> bool:

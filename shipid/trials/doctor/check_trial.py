@@ -23,7 +23,7 @@ from shipid.trials.doctor.examinations.motion import (
 )
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
 from shipid.trials.doctor.examinations.record import clock, frozen, missing, names, outliers, rows, sampling
-from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay, standing
+from shipid.trials.doctor.examinations.steering import clipped, closed_loop, conduct, delay, standing
 from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.findings import LEAST, Diagnosis, Finding, Stretch
 from shipid.trials.doctor.guesses import GuessedRecord, from_trial, guessed
@@ -59,6 +59,7 @@ _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     steering.examine_order,
     standing.examine_standing_rudder,
     delay.examine_delay,
+    clipped.examine_clipped,
     sampling.examine_sampling,
     sampling.examine_length,
     conduct.examine_start,

@@ -112,8 +112,9 @@ def _unread(table: pd.DataFrame) -> list[str]:
         else []
     )
     told += [f"{header} can be {' or '.join(fields)}" for header, fields in unclear.items()]
+    one = len(lacking) + len(unclear) == 1
+    it, these, what = ("it", "this name", "the column") if one else ("them", "these names", "the columns")
     return [
-        f"WARNING: {', '.join(told)}, and nothing reads {'it' if len(lacking) + len(unclear) == 1 else 'them'} under "
-        f"{'this name' if len(lacking) + len(unclear) == 1 else 'these names'}. Rename the columns, or write a format file: shipid format "
-        "FILE drafts it."
+        f"WARNING: {', '.join(told)}, and no model that comes with shipid reads {it} under {these}. Unless a model of your own does, rename "
+        f"{what}, or write a format file: shipid format FILE drafts it."
     ]

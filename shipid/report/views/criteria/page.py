@@ -126,6 +126,4 @@ def _why(side: CriterionSide) -> str:
 
 
 def _spiral(found: Criteria) -> str:
-    if found.spiral is None:
-        return "The model has no steady turn to draw a spiral from."
     return f"Spiral: {spiral_words(found.spiral)}."

@@ -39,3 +39,17 @@ def test_a_rudder_two_samples_off_is_found(late, words):
     assert (
         not latency if words is None else words in latency[0].message and latency[0].serious and not latency[0].repaired
     )
+
+
+def test_a_rudder_that_moves_as_one_sine_shows_no_delay():
+    """Any shift of a sine is that of another time constant: a slow push beside it was taken for a rudder 4.5 s early, for certain."""
+    t = np.arange(0, 120, 0.5)
+    delta, push = 10 * np.sin(t / 8), 1 + 0.2 * np.sin(t / 17)
+    r = np.zeros(t.size)
+    for k in range(1, t.size):  # quick and heavily damped, as a yacht
+        r[k] = r[k - 1] + 0.5 * (0.45 * delta[k - 1] - 0.25 * push[k - 1] - 0.9 * r[k - 1])
+    noise = np.random.default_rng(1).standard_normal((2, t.size))
+    frame = pd.DataFrame({
+        "t [s]": t, "psi [deg]": np.cumsum(r) * 0.5 + 0.2 * noise[0], "r [deg/s]": r + 0.02 * noise[1], "delta [deg]": delta
+    })  # fmt: skip
+    assert not [f for f in check_trial(Trial.from_frame(frame)).findings if f.kind == "latency"]

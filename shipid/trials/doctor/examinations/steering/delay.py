@@ -26,6 +26,9 @@ _PLAIN, _LEAST = 5.0, 1.5
 _FEW = 2.2
 """Where there are two executes only, it is explained so many times as well, whatever else is allowed for."""
 
+_SINE = 0.95
+"""A rudder whose bend is its angle to this part moves as one sine."""
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -50,6 +53,9 @@ class Answer:
         Share of the acceleration in turning that rudder and damping explain at the best shift.
     step : float
         Interval of the shifts that were tried [s].
+    single : float
+        Share of the bend of the rudder's course that its angle explains: all of it for a rudder that moves as one sine, whose shift
+        is the same as another time constant of the ship.
     """
 
     half: float
@@ -60,6 +66,7 @@ class Answer:
     free: float
     explained: float
     step: float
+    single: float
 
 
 def answer_to(p: WorkingCopy, name: str) -> Answer | None:
@@ -91,7 +98,7 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
         return None
     common, target = (values[use] for values in damping(signals, constant))
     bend = filtered(signals, signals.r, constant)[2]
-    smooth, rate, _ = filtered(signals, signals.delta, constant)
+    smooth, rate, turned = filtered(signals, signals.delta, constant)
     delta = smooth[use]
     # Accelerations below 1e-160 differ, but their squares do not.
     total = float(np.sum((target - target.mean()) ** 2))
@@ -109,8 +116,14 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     return Answer(
         usual,
         len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend[use]) / least,
-        misfit(delta, bend[use], rate[use]) / least, 1 - least / total, step,
+        misfit(delta, bend[use], rate[use]) / least, 1 - least / total, step, _explained_by(delta, turned[use]),
     )  # fmt: skip
+
+
+def _explained_by(cause: np.ndarray, effect: np.ndarray) -> float:
+    """Share of the variance of one column that another explains; none of one that does not change."""
+    total = float(np.sum((effect - effect.mean()) ** 2))
+    return 1 - squares(np.column_stack([cause, np.ones_like(cause)]), effect) / total if total > 0 else 0.0
 
 
 def examine_delay(p: WorkingCopy) -> None:
@@ -129,6 +142,8 @@ def examine_delay(p: WorkingCopy) -> None:
         return
     if answer.explained < 0.1:
         _unanswered(p, name, answer)
+        return
+    if answer.single > _SINE:
         return
     # Two executes, of which one is a reversal, show a delay that nothing else explains.
     few = answer.executes == 2 and min(answer.gain, answer.slow, answer.free) > _FEW
