@@ -38,7 +38,9 @@ def examine_clipped(p: WorkingCopy) -> None:
         The record, signs put right; whether rudder and ship are apart in time has been looked at.
     """
     name = "delta"
-    if not p.has(name) or any(p.found(k) for k in ("no-rudder-movement", "order-not-feedback", "closed-loop", "latency")):
+    if not p.has(name) or any(
+        p.found(k) for k in ("no-rudder-movement", "order-not-feedback", "closed-loop", "latency")
+    ):
         return
     found = _beyond(p, name)
     if found is None:
@@ -64,6 +66,8 @@ def _beyond(p: WorkingCopy, name: str) -> tuple[float, float, float, float] | No
         return None
     delta, t = signals.delta, signals.t
     stands, stop = _at_stop(delta)
+    # Beside a hole nobody knows when the rudder came to its stop, or left it.
+    stands = [(side, a, b) for side, a, b in stands if signals.known[max(0, a - 1) : b + 2].all()]
     if not stands:
         return None
     rate = np.abs(np.gradient(delta, signals.step))

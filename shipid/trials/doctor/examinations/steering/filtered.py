@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.doctor.working_copy import GAP, WorkingCopy
 
 _MOST = 3000
 _ORDER = 3
@@ -67,6 +67,9 @@ def regular_signals(p: WorkingCopy, name: str) -> Signals | None:
     if heading == "psi":
         r = np.gradient(r, step)
     known = np.interp(t, p.t, p.blind(name, heading).astype(float)) == 0
+    # A gap of the clock has no rows that could be blind.
+    after = np.clip(np.searchsorted(p.t, t), 1, len(p) - 1)
+    known &= p.t[after] - p.t[after - 1] <= GAP * step
     return Signals(t, step, np.interp(t, p.t, p[name]), r, known)
 
 
