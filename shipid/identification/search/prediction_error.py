@@ -8,22 +8,20 @@ search is Newton's with that information (Fisher scoring), damped as in Madsen, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import expit
 
-from shipid.declaration.scale import Scale
-from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.records.likelihood import Likelihood
 from shipid.foundation.numbers import brief
-from shipid.generation.reduction import reduced
-from shipid.identification.noise.gusts import Gust, rate_of, state_of, with_gusts
+from shipid.identification.noise.gusts import Gust, rate_of, state_of
 from shipid.identification.noise.innovations import Stretch, scatter_of, whiteness
+from shipid.identification.noise.noisy_filter import make_filter, record_of
 from shipid.identification.noise.small_sample import MANY, small_sample
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
-from shipid.identification.problem.trial_data import TrialData
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.unseen import covariance_by
 
@@ -31,72 +29,10 @@ from shipid.identification.search.unseen import covariance_by
 _LEVEL_PRIOR = 3.0
 #: Shortest correlation time of a gust, in L/U: what is shorter moves a ship as white noise does.
 _LASTING = 0.1
-#: First standard deviation of a gust, in what is expected of it.
-_WIDE = 3.0
-#: Share of output error's residuals from which sensor noise and the noise of a state start.
-_SENSOR_SHARE = 0.3
+#: Loss of log-likelihood from which gusts are out of the question, and the probability from which the other noise is.
+_HOPELESS, _CERTAIN = 4.0, 0.99
 #: Smallest ratio of variances in one step: near none, residuals do not tell how small it is.
 _SMALLER = 0.03
-
-
-def record_of(data: TrialData, model_inputs: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Return a trial as columns for a filter, SI.
-
-    Parameters
-    ----------
-    data : TrialData
-        The trial as the model reads it.
-    model_inputs, signals : tuple of str
-        Names along its inputs and measured signals.
-    """
-    # A fitted signal replaces an input of the same name: a speed that is both is measured.
-    return {"t": data.t} | dict(zip(model_inputs, data.inputs)) | dict(zip(signals, data.measured))
-
-
-def make_filter(
-    problem: Problem, values: Mapping[str, float], unit_time: float, gusts: Sequence[str] = ()
-) -> ExtendedKalmanFilter:
-    """Return the filter of a problem: its signals measured, noise on every state that has a rate of its own.
-
-    Parameters
-    ----------
-    problem : Problem
-        Model, signals and weights.
-    values : mapping of str to float
-        Coefficients, SI.
-    unit_time : float
-        L/U in s, in which a state gathers noise.
-    gusts : sequence of str
-        Which of these states gusts that last drive, beside the white noise.
-    """
-    model = reduced(problem.model, problem.signals)
-    sensors = {s: (float(w) * _SENSOR_SHARE, model[s].unit) for s, w in zip(problem.signals, problem.sigma)}
-    noise = _first_noise(problem, model.states, unit_time)
-    first: dict[str, tuple[float, str]] = {}
-    if gusts:
-        model = with_gusts(model, gusts)
-        values = {**values, **{rate_of(n): -float(np.log(unit_time)) for n in gusts}}
-        for name in gusts:
-            # A gust that lasts for one L/U and gathers there as much as the white noise.
-            size, unit = noise[name][0] / np.sqrt(unit_time), model[state_of(name)].unit
-            noise[state_of(name)] = (size * np.sqrt(2 / unit_time), f"({unit})*1/s^0.5")
-            first[state_of(name)] = (_WIDE * size, unit)
-    return ExtendedKalmanFilter(
-        model, values=values, measured=sensors, noise=noise, initial=first, gate=None, model_noise=False
-    )
-
-
-def _first_noise(problem: Problem, states: tuple[str, ...], time: float) -> dict[str, tuple[float, str]]:
-    """Noise on the states that are no mere integral of another: a share of the residuals, gathered in one L/U."""
-    own = [s for s in states if s not in ("x", "y", "psi")] or list(states)
-    speed = abs(problem.trials[0].speed)
-    levels = {}
-    for name in own:
-        unit = problem.model[name].unit
-        at = problem.signals.index(name) if name in problem.signals else None
-        size = float(problem.sigma[at]) if at is not None else 0.05 * Scale(speed * time, speed).factor(unit)
-        levels[name] = (size / np.sqrt(time), f"({unit})*1/s^0.5" if unit != "1" else "1/s^0.5")
-    return levels
 
 
 def fit_levels(
@@ -104,8 +40,8 @@ def fit_levels(
 ) -> NoiseLevels:
     """Maximise the likelihood over coefficients, biases and noise levels.
 
-    Noise that drives the states is white first; where gusts that last explain the record better by more than their numbers, they
-    are kept (Akaike 1974), on those states on which they do last.
+    Noise that drives the states is white, or gusts that last, on those states on which they do last: the likelier of the two, by
+    the evidence for each (Laplace's approximation). Where neither is out of the question the covariance is the mean over both.
 
     Parameters
     ----------
@@ -125,27 +61,40 @@ def fit_levels(
     NoiseLevels
     """
     white = _Search(problem, box, start, unit_time)
-    found = white.climbed(white.first, tell)
-    search, spent = white, found.evaluations
-    plain, driven = found, tuple(white.process) if np.isfinite(found.value) else ()
+    plain = white.climbed(white.first, tell)
+    spent, driven = plain.evaluations, white.driving(plain)
     while driven:
-        coloured = _Search(problem, box, start, unit_time, gusts=driven)
-        begin = coloured.from_white(white, plain.q)
-        value, gradient, information = coloured.objective(begin)
+        gusty = _Search(problem, box, start, unit_time, gusts=driven)
+        begin = gusty.from_white(white, plain.q)
+        value, gradient, information = gusty.objective(begin)
         spent += 1
         # What a Newton step promises, before it is worth a search.
         gain = 0.5 * gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0]
-        if not value + gain > plain.value + coloured.price:
+        if not value + gain > plain.value - _HOPELESS:
             break
-        other = coloured.climbed(begin, tell)
-        spent += other.evaluations
-        lasting = coloured.lasting(other.q, _LASTING * unit_time)
+        found = gusty.climbed(begin, tell)
+        spent += found.evaluations
+        lasting = gusty.lasting(found.q, _LASTING * unit_time)
         if lasting == driven:
-            if other.value > plain.value + coloured.price:
-                search, found = coloured, other
-            break
+            # Two more levels for each gust, each with its prior.
+            evidence = gusty.evidence(found) - white.evidence(plain) - 2 * len(driven) * np.log(_LEVEL_PRIOR)
+            share = float(expit(evidence))
+            first, second = (gusty, found), (white, plain)
+            if share < 0.5:
+                first, second, share = second, first, 1 - share
+            likelier = first[0].result(replace(first[1], evaluations=spent))
+            return likelier if share > _CERTAIN else _either(likelier, second[0].result(second[1]), share)
         driven = lasting
-    return search.result(replace(found, evaluations=spent))
+    return white.result(replace(plain, evaluations=spent))
+
+
+def _either(likelier: NoiseLevels, other: NoiseLevels, share: float) -> NoiseLevels:
+    """The likelier noise with the mean covariance over both about its coefficients: what drives a ship is not known for certain."""
+    away = other.parameters - likelier.parameters
+    covariance = share * likelier.covariance + (1 - share) * (other.covariance + np.outer(away, away))
+    if not np.isfinite(covariance).all() or likelier.degrees is None or other.degrees is None:
+        return likelier
+    return replace(likelier, covariance=covariance, degrees=share * likelier.degrees + (1 - share) * other.degrees)
 
 
 def levels_at(
@@ -208,8 +157,6 @@ class _Search:
         first = np.concatenate([start, self.likelihoods[0].start[self.shared : self.common]])
         self.objective = _Objective(problem, box, self.likelihoods, first, len(problem.biases))
         self.first = np.concatenate([first, np.zeros(len(problem.trials) * len(problem.biases))])
-        #: Two numbers for each gust.
-        self.price = 2.0 * len(self.driven)
 
     def at(self, name: str) -> int:
         """Where a level stands."""
@@ -230,9 +177,19 @@ class _Search:
 
     def lasting(self, q: np.ndarray, least: float) -> tuple[str, ...]:
         """The states whose gusts last for so many seconds; of one that is next to nothing no time is told."""
-        nothing = self.objective.unexpected(q, *self.objective(q)[1:]) > 0
-        there = [n for n in self.driven if not nothing[self.at(f"noise:{state_of(n)}")]]
+        there = [n for n in self.driven if self._there(q, state_of(n))]
         return tuple(n for n in there if np.exp(-q[self.at(rate_of(n))]) >= least)
+
+    def driving(self, found: _Found) -> tuple[str, ...]:
+        """The states whose noise is more than next to nothing."""
+        return tuple(n for n in self.process if np.isfinite(found.value) and self._there(found.q, n))
+
+    def _there(self, q: np.ndarray, state: str) -> bool:
+        return not self.objective.unexpected(q, *self.objective(q)[1:])[self.at(f"noise:{state}")] > 0
+
+    def evidence(self, found: _Found) -> float:
+        """Logarithm of the probability of the records, but for a constant and what the priors of the levels are divided by."""
+        return found.value - 0.5 * float(np.linalg.slogdet(found.information)[1])
 
     def climbed(self, q: np.ndarray, tell: Callable[[str], None]) -> _Found:
         """The maximum from a start."""

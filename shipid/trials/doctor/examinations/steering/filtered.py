@@ -11,7 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from shipid.trials.doctor.working_copy import GAP, WorkingCopy
+from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.filling import GAP
 
 _MOST = 3000
 _ORDER = 3
