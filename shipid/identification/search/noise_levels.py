@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -119,3 +119,25 @@ class NoiseLevels(Result):
             "log_likelihood": self.log_likelihood,
             "lasting_sensors": None if self.lasting is None else self.lasting.to_dict(),
         }
+
+
+def mean_over(likelier: NoiseLevels, other: NoiseLevels, share: float) -> NoiseLevels:
+    """Return the likelier noise with the mean covariance over both, about its coefficients: what drives a ship is not known for certain.
+
+    Parameters
+    ----------
+    likelier, other : NoiseLevels
+        Found for two kinds of noise that drives the states.
+    share : float
+        Probability of the likelier one.
+
+    Returns
+    -------
+    NoiseLevels
+        The likelier one as it is, where a covariance is not finite.
+    """
+    away = other.parameters - likelier.parameters
+    covariance = share * likelier.covariance + (1 - share) * (other.covariance + np.outer(away, away))
+    if not np.isfinite(covariance).all() or likelier.degrees is None or other.degrees is None:
+        return likelier
+    return replace(likelier, covariance=covariance, degrees=share * likelier.degrees + (1 - share) * other.degrees)

@@ -22,7 +22,7 @@ from shipid.identification.noise.noisy_filter import make_filter, record_of
 from shipid.identification.noise.small_sample import MANY, small_sample
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
-from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.identification.search.noise_levels import NoiseLevels, mean_over
 from shipid.identification.search.unseen import covariance_by
 
 #: Prior standard deviation of the logarithm of a noise level: a level without information stays finite.
@@ -83,18 +83,9 @@ def fit_levels(
             if share < 0.5:
                 first, second, share = second, first, 1 - share
             likelier = first[0].result(replace(first[1], evaluations=spent))
-            return likelier if share > _CERTAIN else _either(likelier, second[0].result(second[1]), share)
+            return likelier if share > _CERTAIN else mean_over(likelier, second[0].result(second[1]), share)
         driven = lasting
     return white.result(replace(plain, evaluations=spent))
-
-
-def _either(likelier: NoiseLevels, other: NoiseLevels, share: float) -> NoiseLevels:
-    """The likelier noise with the mean covariance over both about its coefficients: what drives a ship is not known for certain."""
-    away = other.parameters - likelier.parameters
-    covariance = share * likelier.covariance + (1 - share) * (other.covariance + np.outer(away, away))
-    if not np.isfinite(covariance).all() or likelier.degrees is None or other.degrees is None:
-        return likelier
-    return replace(likelier, covariance=covariance, degrees=share * likelier.degrees + (1 - share) * other.degrees)
 
 
 def levels_at(

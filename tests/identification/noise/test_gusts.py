@@ -10,6 +10,7 @@ from shipid.generation.record import make_record
 from shipid.generation.system import generate
 from shipid.identification.noise.gusts import rate_of, state_of, with_gusts
 from shipid.identification.search import prediction_error
+from shipid.identification.search.noise_levels import mean_over
 
 TRUTH = {"K": 0.08, "tau": 12.0}
 SIZE, TIME, STEP = 2e-4, 15.0, 0.5
@@ -144,13 +145,13 @@ def test_waves_in_the_sensors_bias_no_coefficient():
 
 def test_gusts_that_are_not_told_from_white_noise_widen_the_intervals(monkeypatch):
     """Over 400 campaigns with gusts of 3e-5 rad/s^2 for 5 s, intervals by the likelier noise alone held 90 %."""
-    shares, either = [], prediction_error._either
+    shares = []
 
     def seen(likelier, other, share):
         shares.append((likelier, other, share))
-        return either(likelier, other, share)
+        return mean_over(likelier, other, share)
 
-    monkeypatch.setattr(prediction_error, "_either", seen)
+    monkeypatch.setattr(prediction_error, "mean_over", seen)
     fit = shipid.identify("nomoto", [record(1.6e-5, 2, count=400)], ship="zeefakkel", starts=1, purpose="filter")
     ((likelier, other, share),) = shares
     assert 0.5 <= share < 0.99 and bool(likelier.gusts) != bool(other.gusts)
