@@ -9,6 +9,7 @@ from shipid.estimation.levels.record_levels import BatchEstimate
 from shipid.estimation.settings.defaults import parameters_to_estimate
 from shipid.estimation.standing import AT_BOUND
 from shipid.foundation.errors import ShipidError
+from shipid.identification.evidence.several_ends import undecided
 from shipid.identification.identify import identify
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.trial import Trial
@@ -56,4 +57,4 @@ def beside_filter(
         return None
     at_bound = tuple(n for n, e in fit.parameters.items() if e.why.startswith(AT_BOUND))
     used = next(r.method for r in fit.ladder if r.used)
-    return BatchEstimate(used.replace("-", " "), values, at_bound)
+    return BatchEstimate(used.replace("-", " "), values, at_bound, undecided(fit.identified.solution.notices))

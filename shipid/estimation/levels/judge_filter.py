@@ -194,6 +194,13 @@ def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator
             "not-confirmed",
             serious=True,
         )
+    for name, words in levels.undecided.items():
+        yield Notice(
+            f"By {levels.method} this record does not determine {name}: {words} So nothing confirms the coefficients of the filter. Filter "
+            "a longer record, or one of another manoeuvre.",
+            "not-confirmed",
+            serious=True,
+        )
     if missed:
         yield Notice(
             f"The recursion did not come to the most probable coefficients: {', '.join(missed)}. Start closer to them (--start), "

@@ -60,11 +60,14 @@ class BatchEstimate:
         Value, standard deviation and 95 % interval of each coefficient, SI.
     at_bound : tuple of str
         Coefficients that ended at a bound: it does not determine these, and the others only as they are with these.
+    undecided : mapping of str to str
+        Coefficients that have other values where the record is fitted as well, and those in words.
     """
 
     method: str
     values: Mapping[str, tuple[float, float, tuple[float, float]]]
     at_bound: tuple[str, ...] = ()
+    undecided: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, repr=False)
@@ -114,6 +117,8 @@ class RecordLevels(Result):
         How `Judged.simulated` was found, in words.
     at_bound : tuple of str
         Coefficients that ended at a bound there, so that none is judged beside it.
+    undecided : mapping of str to str
+        Coefficients that have other values where the record is fitted as well, and those in words.
     """
 
     sensors: Mapping[str, float]
@@ -127,6 +132,7 @@ class RecordLevels(Result):
     bias_standings: Mapping[str, BiasStanding] = field(default_factory=dict)
     method: str = "output error"
     at_bound: tuple[str, ...] = ()
+    undecided: Mapping[str, str] = field(default_factory=dict)
 
     def beside(self, batch: BatchEstimate) -> RecordLevels:
         """Return the same levels with the coefficients of an identification beside them, where it has all of them.
@@ -146,7 +152,9 @@ class RecordLevels(Result):
             for n, c in self.coefficients.items()
             if (v := batch.values.get(n)) is not None
         }
-        return replace(self, coefficients={**self.coefficients, **known}, method=batch.method)
+        return replace(
+            self, coefficients={**self.coefficients, **known}, method=batch.method, undecided=batch.undecided
+        )
 
     @property
     def simulated(self) -> dict[str, tuple[float, float]]:
