@@ -25,30 +25,6 @@ def interval_95(value: float, std: float) -> tuple[float, float]:
     return value - NORMAL_95 * std, value + NORMAL_95 * std
 
 
-def median(values: np.ndarray) -> float:
-    """Return the median of a series: to the last bit that of `numpy.median`, which costs ten times as much on a short one.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        In any order.
-
-    Returns
-    -------
-    float
-        NaN of none, and where one of them is NaN.
-    """
-    n = values.size
-    if not n:
-        return float("nan")
-    half = n // 2
-    # NaN comes last.
-    ordered = np.partition(values, (half, n - 1) if n % 2 else (half - 1, half, n - 1))
-    if np.isnan(ordered[-1]):
-        return float("nan")
-    return float(ordered[half] if n % 2 else 0.5 * (ordered[half - 1] + ordered[half]))
-
-
 def plain(number: float | None) -> float | None:
     """Return a number as JSON can hold it: None for NaN and infinity.
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from shipid.foundation.statistics import NORMAL_95, LjungBox, autocorrelation, interval_95, ljung_box, median, plain
+from shipid.foundation.statistics import NORMAL_95, LjungBox, autocorrelation, interval_95, ljung_box, plain
 
 
 def test_the_quantile_is_that_of_the_normal_distribution() -> None:
@@ -51,14 +51,3 @@ def test_tests_of_several_series_add_up() -> None:
 def test_what_cannot_be_tested_has_no_degree_of_freedom() -> None:
     assert ljung_box(np.ones(50), 5) == ljung_box(np.arange(4.0), 0) == LjungBox(0.0, 0)
     assert LjungBox(math.inf, 3).p_value == 0.0
-
-
-def test_the_median_is_numpys_to_the_last_bit():
-    rng = np.random.default_rng(6)
-    for n in (1, 2, 3, 4, 7, 160, 1377):
-        values = rng.standard_normal(n)
-        values[n // 3] = values[n // 2]
-        assert median(values) == np.median(values)
-        values[n // 2] = math.nan
-        assert math.isnan(median(values))
-    assert median(np.array([1.0, math.inf, math.inf])) == math.inf and math.isnan(median(np.zeros(0)))

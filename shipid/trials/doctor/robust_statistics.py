@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from shipid.foundation.statistics import median
 from shipid.trials.filling import GAP, usual_interval
 
 _MAD = 1.4826
@@ -23,7 +22,7 @@ def spread(values: np.ndarray) -> float:
     values : ndarray
         Any number of values.
     """
-    return _MAD * median(np.abs(values - median(values))) if values.size else 0.0
+    return _MAD * float(np.median(np.abs(values - np.median(values)))) if values.size else 0.0
 
 
 def noise(values: np.ndarray) -> float:
@@ -57,7 +56,7 @@ def divided_noise(t: np.ndarray, values: np.ndarray) -> float:
     times = np.stack([t[j : len(t) - 3 + j] for j in range(4)])
     weights = np.stack([1 / np.prod([times[j] - times[i] for i in range(4) if i != j], axis=0) for j in range(4)])
     divided = sum(weights[j] * values[j : len(values) - 3 + j] for j in range(4))
-    return _MAD * median(np.abs(divided) / np.linalg.norm(weights, axis=0))
+    return _MAD * float(np.median(np.abs(divided) / np.linalg.norm(weights, axis=0)))
 
 
 def resolution(values: np.ndarray) -> tuple[float, float]:
@@ -85,7 +84,7 @@ def resolution(values: np.ndarray) -> tuple[float, float]:
     inside = gap[gap <= max(40, len(values) // 20)]
     still = float(inside.sum() / (inside.sum() + len(index)))
     after = np.abs(d[1:][same[:-1] & ~same[1:]])
-    return (median(after) if after.size else 0.0), still
+    return (float(np.median(after)) if after.size else 0.0), still
 
 
 @dataclass(frozen=True)
@@ -146,7 +145,7 @@ def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> RobustL
         root, before = np.sqrt(weight), value
         value = np.linalg.lstsq(scaled * root[:, None], target * root, rcond=None)[0]
         rest = target - scaled @ value
-        sigma = max(_MAD * median(np.abs(rest)), floor)
+        sigma = max(_MAD * float(np.median(np.abs(rest))), floor)
         weight = np.clip(1 - (rest / (6 * sigma)) ** 2, 0, None) ** 2 + 1e-12
         if np.abs(value - before).max() <= _SETTLED * np.abs(value).max():
             break
@@ -312,7 +311,7 @@ def straight_runs(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     slope = np.diff(values) / np.diff(t)
     bend = np.abs(np.diff(slope))
     # A line is printed with the digits of the rest.
-    straight = bend < max(_STRAIGHT * float(np.quantile(bend, 0.25)), 1.01 * digit / median(np.diff(t)))
+    straight = bend < max(_STRAIGHT * float(np.quantile(bend, 0.25)), 1.01 * digit / float(np.median(np.diff(t))))
     found = runs(straight)
     found = found[found[:, 1] - found[:, 0] >= _LINE]
     if not len(found) or _turns(np.diff(slope)) < 0.5:
