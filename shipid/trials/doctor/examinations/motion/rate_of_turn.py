@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from math import log, pi
 
 import numpy as np
@@ -10,9 +11,12 @@ from shipid.declaration.vocabulary import shown
 from shipid.foundation.numbers import brief, percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.clock_scale import examine_clock_scale
+from shipid.trials.doctor.examinations.steering.delay import SINE, answer_to
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _DEG = 180 / pi
+#: Part of a delay to which two readings of it have to agree.
+_NEAR = 0.3
 #: Factor on the heading's slope over the rate: which column is what, by the unit it says ("" any), most likely first.
 _HYPOTHESES: tuple[tuple[str, str, float, str], ...] = (
     ("r", "deg/s", 1 / 60, "deg/min"),
@@ -300,7 +304,18 @@ def examine_lag(p: WorkingCopy) -> None:
         p["r"] = p["r"] + drift
     dt = p.sampling
     limit = max(5.5 * float(found.std[1]), 0.6 * dt)
-    if abs(lag) > limit:
+    if lag < -limit and (side := _beside_rudder(p, -lag)) != "psi":
+        # No sensor is early by itself: where the rudder does not decide it is the heading that is late.
+        told = ", which answers the rudder as it is logged" if side == "r" else " (or the rate is early)"
+        p.add(
+            "latency", "psi", robust.confidence_of(-lag / limit, 1, 2.5),
+            f"the heading runs {brief(-lag, 3)} s ({-lag / dt:.1f} samples) behind the rate of turn{told}",
+            "The delay is taken for a slower ship: time constants come out wrong by about as much, and executes are read at headings that "
+            "nobody ordered.",
+            f"Shift psi by {lag:+.3g} s.", fix={"action": "shift", "column": "psi", "seconds": -lag}, spoils=-lag > 2 * dt,
+        )  # fmt: skip
+        p.shift("psi", -lag)
+    elif abs(lag) > limit:
         which = "behind" if lag > 0 else "ahead of"
         p.add(
             "latency", "r", robust.confidence_of(abs(lag) / limit, 1, 2.5),
@@ -309,3 +324,18 @@ def examine_lag(p: WorkingCopy) -> None:
             f"Shift r by {-lag:+.3g} s.", fix={"action": "shift", "column": "r", "seconds": lag}, spoils=abs(lag) > 2 * dt,
         )  # fmt: skip
         p["r"] = np.interp(p.t + lag, p.t, p["r"])
+
+
+def _beside_rudder(p: WorkingCopy, late: float) -> str | None:
+    """Which of rate and heading answers the rudder at once, where they are so many seconds apart; None where that does not show."""
+    if not p.has("delta"):
+        return None
+    with_heading = copy(p)
+    with_heading.values = {**p.values, "r": np.interp(p.t - late, p.t, p["r"])}
+    answers = [answer_to(one, "delta") for one in (p, with_heading)]
+    if any(a is None or a.explained < 0.5 or a.single > SINE for a in answers):
+        return None
+    by_rate, by_heading = (a.delay for a in answers if a is not None)
+    if abs(by_heading - by_rate - late) > _NEAR * late:
+        return None
+    return "r" if abs(by_rate) < _NEAR * late else "psi" if abs(by_heading) < _NEAR * late else None

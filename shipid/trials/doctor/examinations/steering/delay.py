@@ -26,7 +26,7 @@ _PLAIN, _LEAST = 5.0, 1.5
 _FEW = 2.2
 """Where there are two executes only, it is explained so many times as well, whatever else is allowed for."""
 
-_SINE = 0.95
+SINE = 0.95
 """A rudder whose bend is its angle to this part moves as one sine."""
 
 
@@ -143,7 +143,7 @@ def examine_delay(p: WorkingCopy) -> None:
     if answer.explained < 0.1:
         _unanswered(p, name, answer)
         return
-    if answer.single > _SINE:
+    if answer.single > SINE:
         return
     # Two executes, of which one is a reversal, show a delay that nothing else explains.
     few = answer.executes == 2 and min(answer.gain, answer.slow, answer.free) > _FEW

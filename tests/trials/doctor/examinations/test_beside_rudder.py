@@ -1,4 +1,4 @@
-"""A rudder sensor that stops short of the rudder, beside a rudder that stops."""
+"""What the ship's answer to the rudder shows: a sensor that stops short, beside a rudder that stops, and a heading that is late."""
 
 from __future__ import annotations
 
@@ -45,3 +45,17 @@ def test_a_sensor_that_stops_short_is_told_with_what_the_rudder_did(scatter):
 def test_a_rudder_that_stops_itself_is_sound(over, sensor, rate):
     """The last one is over before anybody could see it."""
     assert not clipped(sailed(over, sensor, rate=rate))
+
+
+@pytest.mark.parametrize(
+    ("late", "channel", "words"),
+    [("psi", "psi", "answers the rudder as it is logged"), ("r", "r", "behind the slope of the heading")],
+)
+def test_what_is_late_is_told_by_the_rudder(late, channel, words):
+    """A heading that was 3 s late was told as a rate that runs ahead, and a rudder that is early."""
+    sound = sailed(20.0, 90.0)
+    table = sound.table.copy()
+    table[late] = np.interp(sound["t"] - 3.0, sound["t"], sound[late])
+    (found,) = [f for f in check_trial(Trial("log", table)).findings if f.kind == "latency"]
+    assert found.channel == channel and words in found.message and found.fix["column"] == channel
+    assert found.fix["seconds"] == pytest.approx(3.0, abs=0.2)
