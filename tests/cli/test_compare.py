@@ -17,6 +17,13 @@ ZIGZAGS = [str(TRIALS / f"container-{n}-{n}.csv") for n in (20, 10)]
 SHORT = [f"{path}@0:300" for path in ZIGZAGS]
 
 
+@pytest.fixture
+def here(monkeypatch):
+    """Candidates tried in this process: a worker loads the toolbox anew, for longer than it tries them."""
+    monkeypatch.setattr(side_by_side, "processors", lambda: 1)
+
+
+@pytest.mark.usefixtures("here")
 def test_a_ranking_is_printed(capsys):
     assert run(["compare", *SHORT, "--models", "nomoto,norrbin", "--ship", "soesterberg", "--starts", "1"]) == 0
     out = capsys.readouterr().out

@@ -285,6 +285,10 @@ class Drawing:
             collected[key] = self
             return Markup("<svg/>")
         figure, buffer = self.figure(), io.StringIO()
+        for axis in (one for ax in figure.axes for one in (ax.xaxis, ax.yaxis)):
+            # Room for a label without words is not searched for among the labels of the ticks.
+            if not axis.get_label_text():
+                axis.set_label_coords(0.0, 0.0)
         settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
         with rc_context(settings | _SETTINGS):
             figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
