@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import re
 from collections import Counter
 from collections.abc import Collection, Sequence
@@ -78,13 +79,18 @@ def sort_of(cell: Cell) -> _Sort:
         return "stamp"
     if not isinstance(cell, str):
         return "text" if isinstance(cell, bool) else "number"
-    if len(cell) > _LONGEST_CELL:
-        return "text"
-    if is_missing(tidy(cell)):
+    return "text" if len(cell) > _LONGEST_CELL else _sort_of_text(cell)
+
+
+@functools.lru_cache(maxsize=1 << 14)
+def _sort_of_text(cell: str) -> _Sort:
+    """What a cell of text holds, once for every separator that is tried and every row that is written alike."""
+    text = tidy(cell)
+    if is_missing(text):
         return "empty"
     if is_number(cell):
         return "number"
-    if len(cell) < 60 and _STAMP.fullmatch(tidy(cell)):
+    if len(cell) < 60 and _STAMP.fullmatch(text):
         return "stamp"
     return "number" if unit_of_cell(cell) is not None else "text"
 
