@@ -15,7 +15,7 @@ from shipid.trials.signals.order import lag_behind_order
 from shipid.trials.trial import Trial
 
 #: Kinds of findings whose samples show nothing of the ship.
-_SHOW_NOTHING = ("frozen", "clipped", "outlier", "heading-glitch", "position-jump")
+_SHOW_NOTHING = ("frozen", "outlier", "heading-glitch", "position-jump")
 #: The kind that makes headings before and behind it incomparable.
 _STEP = "heading-step"
 #: Kinds that spoil no identification, and are said beside the distances of a turn all the same.

@@ -6,19 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shipid.declaration.vocabulary import angle
-from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import moment
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.channel import Channel
 from shipid.trials.signals.plates import Plate
-
-_RESTS, _FEWEST = 10, 5
-"""Samples amidships, and on a plate, that tell whether the sensor scatters."""
-
-_REPEATS, _STANDS = 0.05, 0.8
-"""A sensor that scatters repeats a value for less than the first share of its samples; one at the end of its range for more than the second."""
 
 _LONG = 0.5
 """Silences longer than this share of the usual plate may hide an execute there and one back."""
@@ -46,39 +38,6 @@ def silent_in(steering: Steering, held: Sequence[Plate], faults: Faults) -> list
         if t[plate.first] <= a and b <= end and b - a > longest
     ]
     return [f"{faults.hole(name, hole)}: executes in there are not counted" for hole in inside]
-
-
-def at_end_of_range(steering: Steering, held: Sequence[Plate]) -> list[Notice]:
-    """Return a serious notice where the sensor of the rudder is at the end of its range: the rudder goes on beyond what is written.
-
-    A sensor that scatters where the rudder rests amidships scatters on its plates too, unless it can show no more.
-
-    Parameters
-    ----------
-    steering : Steering
-        The record of the rudder.
-    held : sequence of Plate
-        The plates of the manoeuvre.
-    """
-    y, size = steering.channel.y, float(np.median([abs(plate.angle) for plate in held]))
-    rest = y[: held[0].first][np.abs(y[: held[0].first]) < 0.3 * size]
-    if steering.logged or len(rest) < _RESTS:
-        return []
-    steps = np.abs(np.diff(rest))
-    scatter = 1.4826 * float(np.median(steps)) / float(np.sqrt(2))
-    still = 1.4826 * float(np.median(np.abs(rest - np.median(rest))))
-    between = np.diff(y[np.abs(y) < 0.5 * size])
-    if float(np.mean(between == 0)) > _REPEATS or still > 2 * scatter or scatter == 0:
-        return []
-    ends = [y[p.first : p.last][np.abs(y[p.first : p.last]) > abs(p.angle) - 3 * scatter] for p in held]
-    stands = [len(one) >= _FEWEST and float(np.mean(np.diff(one) == 0)) > _STANDS for one in ends]
-    if not all(stands[:-1] or stands):
-        return []
-    words = (
-        f"the rudder repeats {angle(size, 3)} exactly while it is held, and scatters by {angle(scatter, 2)} amidships: its sensor shows "
-        "no more, the rudder goes further, and the orders are earlier than is read from its ramps"
-    )
-    return [Notice(words, "clipped", serious=True, channel=steering.channel.name)]
 
 
 def others_than(held: Sequence[Plate], everything: Sequence[Plate]) -> int:

@@ -13,7 +13,7 @@ from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.instead import propeller_doubts, slowed_down, steered_by_hand
 from shipid.trials.measuring.results.zigzag import ZigZag
-from shipid.trials.measuring.rudder.doubts import at_end_of_range, bridges, left_out, others_than, silent_in
+from shipid.trials.measuring.rudder.doubts import bridges, left_out, others_than, silent_in
 from shipid.trials.measuring.rudder.ends import begins_on_its_way, goes_on_from, turned_back, without_keeping
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.late import SettingOut, late_notes, not_told, setting_out, unseen_by, widened
@@ -176,7 +176,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         notes=(*notes, *([Notice(f"it may be no zig-zag: {doubt}", "no-zigzag", serious=True)] if doubt else []), *slowed,
                *late_notes(late, beside, unseen_by(trial, steering), turning), *silent_in(steering, held, faults),
                *propeller_doubts(trial, None if first is None else first.time, end), *left_out(logged), *left_out(steering.channel),
-               *at_end_of_range(steering, held), *bridges(logged, psi, when, faults),
+               *bridges(logged, psi, when, faults),
                *not_told(faults.notes(("psi", steering.channel.name, "u", "U")), late, steering.channel.name)),
         **beginning,
     )  # fmt: skip

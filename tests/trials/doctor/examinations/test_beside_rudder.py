@@ -59,3 +59,21 @@ def test_what_is_late_is_told_by_the_rudder(late, channel, words):
     (found,) = [f for f in check_trial(Trial("log", table)).findings if f.kind == "latency"]
     assert found.channel == channel and words in found.message and found.fix["column"] == channel
     assert found.fix["seconds"] == pytest.approx(3.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("sensor", "said"), [(15.0, True), (90.0, False)])
+def test_a_sensor_that_scatters_and_repeats_at_its_stop_shows_no_more(sensor, said):
+    """With a gear so quick that the ship's answer does not show it."""
+    sound = sailed(20.0, 90.0, rate=30.0)
+    table = sound.table.copy()
+    scatter = np.deg2rad(0.05) * np.random.default_rng(3).standard_normal(len(table))
+    table["delta"] = np.clip(table["delta"] + scatter, -np.deg2rad(sensor), np.deg2rad(sensor))
+    found = clipped(Trial("log", table))
+    assert len(found) == said and all("repeats 15 deg exactly" in message for message in found)
+
+
+def test_heading_and_rudder_under_each_other_s_name_are_told():
+    """It was told as four faults: a frozen heading, glitches of it, and a rudder with the wrong sign."""
+    table = sailed(20.0, 90.0).table.rename(columns={"psi": "delta", "delta": "psi"})
+    (found,) = check_trial(Trial("log", table)).findings
+    assert found.kind == "mislabelled" and "r is the slope of the column called delta" in found.message

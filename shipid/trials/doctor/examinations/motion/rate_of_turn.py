@@ -91,6 +91,7 @@ def examine_label(p: WorkingCopy) -> None:
     """
     if not p.has("psi") or len(p) < 40:
         return
+    _exchanged(p)
     rates = [c for c in p.values if c in ("r", "p") or p.unit(c) == "rad/s"]
     rated = {c: _agreement(p, c) for c in rates}
     mine = rated.get("r", (0.0, 0.0))[1]
@@ -113,6 +114,25 @@ def examine_label(p: WorkingCopy) -> None:
             del p.values[best]
         else:
             p.values[best] = old
+
+
+def _exchanged(p: WorkingCopy) -> None:
+    """Find heading and rudder under each other's name: the rate of turn is the slope of the one that is called delta."""
+    if not p.has("delta", "r"):
+        return
+    other = copy(p)
+    other.values = {**p.values, "psi": p["delta"], "delta": p["psi"]}
+    mine, found = _agreement(p, "r"), _agreement(other, "r")
+    if not (found[1] > 0.9 and 0.8 < found[0] < 1.25 and mine[1] < 0.6):
+        return
+    p.add(
+        "mislabelled", "psi,delta", robust.confidence_of(found[1] - mine[1], 0.3, 0.6),
+        f"r is the slope of the column called delta ({percent(found[1], 1)} of it explained), and not of the one called psi "
+        f"({percent(mine[1], 1)})",
+        "Heading and rudder stand for each other: whatever is fitted to them is no ship.",
+        "Exchange the names psi and delta.", fix={"action": "relabel", "from": "delta", "to": "psi"},
+    )  # fmt: skip
+    p.exchange("psi", "delta")
 
 
 def course_scale(p: WorkingCopy) -> float | None:

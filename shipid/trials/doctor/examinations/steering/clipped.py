@@ -25,6 +25,12 @@ zig-zags and circles, simulated and real, reach 1.01."""
 _LEVEL, _FAST = 0.03, 0.2
 """Part of its reach within which a rudder stands at its stop, and of its fastest rate from which it moves."""
 
+_RESTS, _FEWEST, _AMIDSHIPS = 10, 5, 0.3
+"""Samples amidships, and at a stop, that tell whether the sensor scatters, and the part of its reach up to which it is amidships."""
+
+_NEVER, _ALWAYS = 0.05, 0.8
+"""A sensor that scatters repeats a value for less than the first share of its samples; one at its stop for more than the second."""
+
 _SHIFTS, _TRIED = 10, 60
 """Samples by which the rudder is shifted instead, and lengths of the way beyond the stop that are tried."""
 
@@ -38,9 +44,19 @@ def examine_clipped(p: WorkingCopy) -> None:
         The record, signs put right; whether rudder and ship are apart in time has been looked at.
     """
     name = "delta"
-    if not p.has(name) or any(
-        p.found(k) for k in ("no-rudder-movement", "order-not-feedback", "closed-loop", "latency")
-    ):
+    if not p.has(name) or p.found("no-rudder-movement"):
+        return
+    effect = "Executes are read too late and overshoots too small; gain and time constant come out wrong."
+    repair = "Use the order if it is logged, or a record of smaller angles; what the rudder did beyond the stop is not in the log."
+    if (silent := _repeats(p[name][p.own(name)])) is not None:
+        stop, scatter = silent
+        p.add(
+            "clipped", name, 0.95,
+            f"delta repeats {angle(stop, 3)} exactly while it is held, and scatters by {angle(scatter, 2)} amidships: its sensor shows no "
+            "more, and the rudder goes further", effect, repair,
+        )  # fmt: skip
+        return
+    if any(p.found(k) for k in ("no-rudder-movement", "order-not-feedback", "closed-loop", "latency")):
         return
     found = _beyond(p, name)
     if found is None:
@@ -50,9 +66,27 @@ def examine_clipped(p: WorkingCopy) -> None:
         "clipped", name, robust.confidence_of(gain, 1.1, 1.5),
         f"delta stops at {angle(stop, 3)}, and the ship answers a rudder that goes on to some {angle(stop + further, 2)} and comes back "
         f"before it moves in the log (her answer is explained {brief(gain, 2)} times as well, to {angle(step, 2)})",
-        "Executes are read too late and overshoots too small; gain and time constant come out wrong.",
-        "Use the order if it is logged, or a record of smaller angles; what the rudder did beyond the stop is not in the log.",
+        effect, repair,
     )  # fmt: skip
+
+
+def _repeats(delta: np.ndarray) -> tuple[float, float] | None:
+    """The stop of a sensor that can show no more, and its scatter, in rad: it scatters where the rudder rests amidships, and not at its stop."""
+    stands, stop = _at_stop(delta)
+    over = np.flatnonzero(np.abs(delta) > _AMIDSHIPS * stop)
+    rest = delta[: over[0]] if over.size else delta[:0]
+    if not stands or len(rest) < _RESTS:
+        return None
+    steps = np.abs(np.diff(rest))
+    scatter = 1.4826 * float(np.median(steps)) / float(np.sqrt(2))
+    still = robust.spread(rest)
+    between = np.diff(delta[np.abs(delta) < 0.5 * stop])
+    if scatter == 0 or still > 2 * scatter or float(np.mean(between == 0)) > _NEVER:
+        return None
+    held = [delta[a : b + 1] for _, a, b in stands]
+    ends = [one[np.abs(one) > np.abs(one).max() - 3 * scatter] for one in held if len(one) >= _FEWEST]
+    repeats = [len(end) >= _FEWEST and float(np.mean(np.diff(end) == 0)) > _ALWAYS for end in ends]
+    return (stop, scatter) if repeats and all(repeats[:-1] or repeats) else None
 
 
 def _beyond(p: WorkingCopy, name: str) -> tuple[float, float, float, float] | None:
