@@ -84,7 +84,9 @@ def _repeats(delta: np.ndarray) -> tuple[float, float] | None:
     if scatter == 0 or still > 2 * scatter or float(np.mean(between == 0)) > _NEVER:
         return None
     held = [delta[a : b + 1] for _, a, b in stands]
-    ends = [one[np.abs(one) > np.abs(one).max() - 3 * scatter] for one in held if len(one) >= _FEWEST]
+    ends = [one[np.abs(one) > np.median(np.abs(one)) - 3 * scatter] for one in held if len(one) >= _FEWEST]
+    if any(np.abs(end).max() > np.median(np.abs(end)) for end in ends):
+        return None  # it has shown more
     repeats = [len(end) >= _FEWEST and float(np.mean(np.diff(end) == 0)) > _ALWAYS for end in ends]
     return (stop, scatter) if repeats and all(repeats[:-1] or repeats) else None
 
