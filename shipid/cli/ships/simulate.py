@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 @click.option(
     "--noise", default="none", show_default=True, help=f"Of the sensors: none, standard, or a list, {LEVELS}."
 )
-@seed_option("the noise and the random telegraph")
+@seed_option("the noise, which is another one for each manoeuvre and speed, and of the random telegraph")
 @click.option(
     "--duration",
     type=NumberWithUnit("s"),

@@ -189,7 +189,7 @@ def _refined(problem: Problem, best: Solution, end: Solution | None, box: Box, h
 
 
 def _alike(ends: Sequence[Solution]) -> tuple[Solution, ...]:
-    """The ends beside the first one that the weights hold for no worse, and that lie where it leads nobody to expect so good a fit."""
+    """The ends beside the first one that the weights hold for no worse, and whose place its slopes hold for worse: it is another minimum."""
     best, *others = ends
     found: list[Solution] = []
     for other in sorted(others, key=lambda s: s.cost):

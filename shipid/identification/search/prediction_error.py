@@ -31,6 +31,8 @@ _LEVEL_PRIOR = 3.0
 _LASTING = 0.1
 #: Loss of log-likelihood from which gusts are out of the question, and the probability from which the other noise is.
 _HOPELESS, _CERTAIN = 4.0, 0.99
+#: Information, as a share of what two directions have alone, that is rounding.
+_NOTHING = 1e-10
 #: Smallest ratio of variances in one step: near none, residuals do not tell how small it is.
 _SMALLER = 0.03
 
@@ -180,7 +182,11 @@ class _Search:
 
     def evidence(self, found: _Found) -> float:
         """Logarithm of the probability of the records, but for a constant and what the priors of the levels are divided by."""
-        return found.value - 0.5 * float(np.linalg.slogdet(found.information)[1])
+        size = np.sqrt(np.diag(found.information))
+        size = np.where(size > 0, size, 1.0)
+        # Directions of which the records say nothing have the same volume with every noise.
+        seen = np.maximum(np.linalg.eigvalsh(found.information / np.outer(size, size)), _NOTHING)
+        return found.value - float(np.log(size).sum() + 0.5 * np.log(seen).sum())
 
     def climbed(self, q: np.ndarray, tell: Callable[[str], None]) -> _Found:
         """The maximum from a start."""

@@ -1,4 +1,7 @@
-"""A rudder angle whose sensor stops short: the gear goes on beyond what the log shows, and comes back before it moves again there."""
+"""A rudder angle whose sensor stops short: the gear goes on beyond what the log shows, and comes back before it moves again there.
+
+Two marks are left: the ship answers what is not in the log, and a sensor that scatters amidships repeats one value at its stop.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,7 @@ def examine_clipped(p: WorkingCopy) -> None:
             "more, and the rudder goes further", effect, repair,
         )  # fmt: skip
         return
-    if any(p.found(k) for k in ("no-rudder-movement", "order-not-feedback", "closed-loop", "latency")):
+    if any(p.found(k) for k in ("order-not-feedback", "closed-loop", "latency")):
         return
     found = _beyond(p, name)
     if found is None:
