@@ -329,15 +329,15 @@ def _result(
     if spreads:
         covariance = covariance_of(solution, np.array([spreads.get(n, np.inf) for n in problem.estimated]))
     block = covariance.matrix[:shared, :shared]
-    words = undecided(solution.notices)
-    words |= unseen_words({n: float(solution.q[problem.estimated.index(n)]) for n in unseen}, setting.stated)
+    elsewhere = undecided(solution.notices)
+    words = unseen_words({n: float(solution.q[problem.estimated.index(n)]) for n in unseen}, setting.stated)
     degrees = None if solution.levels is None else solution.levels.degrees
     used = next(r for r in rungs if r.used)
     length = setting.known.get("L", setting.ship.particular("L", "m"))
     fitted = fitted_comparisons(problem, solution.q, records, length, covariance.matrix)
     lacks = missing_effect(solution, block, fitted, setting.scale.unit_time)
     wide = block if lacks is None else lacks.covariance
-    parameters = estimates_of(problem, solution.q, wide, box, setting.scale, words, degrees)
+    parameters = estimates_of(problem, solution.q, wide, box, setting.scale, elsewhere | words, degrees, elsewhere)
     # Where disturbances are part of the model, they may move the ship more than her rudder does: the coefficients are then as
     # sure as their intervals say, and the run with the rudder alone is not their measure.
     least = least_unexplained(fitted, setting.scale.unit_time)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -33,6 +33,7 @@ def estimates_of(
     scale: Scale,
     unseen: Mapping[str, str] | None = None,
     degrees: np.ndarray | None = None,
+    elsewhere: Collection[str] = (),
 ) -> dict[str, Estimate]:
     """Return the fitted coefficients and the published ones that follow from them.
 
@@ -52,6 +53,8 @@ def estimates_of(
         Coefficients about which the trials hold no information, and what was done with their values, in words.
     degrees : ndarray, shape (parameters,), optional
         Degrees of freedom of each variance, for Student's quantile; the normal one by default.
+    elsewhere : collection of str
+        Of these, the ones that have other values where the trials are fitted as well: what follows from them has, too.
 
     Returns
     -------
@@ -80,7 +83,7 @@ def estimates_of(
     for i, name in enumerate(names):
         if i not in at_bound:
             result[name] = _as_bounded(result[name], {names[j]: correlation[i, j] for j in at_bound})
-    return result | _published(problem, q, covariance, scale, at_bound)
+    return result | _published(problem, q, covariance, scale, at_bound, elsewhere)
 
 
 def _as_bounded(found: Estimate, at_bound: Mapping[str, float]) -> Estimate:
@@ -179,7 +182,12 @@ def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None,
 
 
 def _published(
-    problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: Scale, at_bound: Sequence[int]
+    problem: Problem,
+    q: np.ndarray,
+    covariance: np.ndarray,
+    scale: Scale,
+    at_bound: Sequence[int],
+    elsewhere: Collection[str],
 ) -> dict[str, Estimate]:
     """Coefficients of the literature that follow from fitted ones, with the standard deviation by first order."""
     model = problem.model
@@ -209,5 +217,10 @@ def _published(
             for j in at_bound
             if 0 < std * covariance[j, j] < np.inf
         }
-        result[name] = _as_bounded(_estimate(model[name], value, std, standing, True, scale), with_bounds)
+        found = _as_bounded(_estimate(model[name], value, std, standing, True, scale), with_bounds)
+        open_ones = [problem.estimated[j] for j in by if problem.estimated[j] in elsewhere]
+        if open_ones and found.standing != UNKNOWN:
+            why = f"it follows from {' and '.join(open_ones)}, of which other values fit the trials as well."
+            found = replace(found, standing=UNKNOWN, why=why)
+        result[name] = found
     return result

@@ -18,6 +18,7 @@ from shipid import (
     identify,
     join,
     parameter,
+    simulate,
     state,
 )
 from shipid.estimation.by_record import filter_by_record
@@ -27,6 +28,7 @@ from shipid.identification.evidence.marginal_likelihood import Weighing
 from shipid.identification.evidence.several_ends import ANOTHER_MINIMUM, conclude_likeliest, undecided
 from shipid.identification.problem.prior import INDEPENDENT, structural_errors
 from shipid.identification.search.rung import Rung
+from shipid.identification.uncertainty.estimates import estimates_of
 from shipid.models import PlanarMotion
 from shipid.parameters.replaced import with_values
 
@@ -188,3 +190,13 @@ def test_a_filter_is_not_confirmed_by_one_of_two_places():
     assert list(levels.undecided) == ["Y_v"]
     told = [n for n in run.warnings if n.kind == "not-confirmed"]
     assert len(told) == 1 and told[0].serious and "does not determine Y_v: -" in told[0]
+
+
+def test_what_follows_from_a_coefficient_with_another_value_is_not_determined():
+    """The published gain of norrbin's model follows from a and b1: it kept its interval."""
+    identified = identify("norrbin", [simulate("norrbin", "zeefakkel", "zigzag:20/20")], ship="zeefakkel").identified
+    solution, matrix = identified.solution, identified.covariance.matrix
+    given = solution.problem, solution.q, matrix[:3, :3], identified.box, identified.scale
+    assert estimates_of(*given)["K"].identifiable
+    gain = estimates_of(*given, {"b1": "2 fits as well."}, None, {"b1"})["K"]
+    assert not gain.identifiable and gain.why == "it follows from b1, of which other values fit the trials as well."
