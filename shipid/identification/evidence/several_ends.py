@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from shipid.estimation.levels.judge_filter import unit_text
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import brief
 from shipid.identification.evidence.bias_spread import BiasSpread
@@ -93,9 +94,8 @@ def _another(solution: Solution, other: Solution) -> Notice | None:
     apart = [k for k in np.argsort(-away) if away[k] > _APART]
     if not apart:
         return None
-    unit = {n: "" if model[n].unit == "1" else f" {model[n].unit}" for n in names}
     words = ", ".join(
-        f"{names[k]} {brief(other.parameters[k], 3)} for {brief(solution.parameters[k], 3)}{unit[names[k]]}"
+        f"{names[k]} {brief(other.parameters[k], 3)} for {brief(solution.parameters[k], 3)}{unit_text(model[names[k]].unit)}"
         for k in apart
     )
     return Notice(
