@@ -275,7 +275,7 @@ def main() -> int:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     if options.short:
-        options.runs, options.ships, options.purposes = 20, "nomoto", "filter"
+        options.runs, options.ships, options.purposes = 10, "nomoto", "filter"
         options.noise = f"white,gust:{GUSTS[0][1]:g}:{GUSTS[1][1]:g}"
     results = []
     with threadpool_limits(1, "blas"):

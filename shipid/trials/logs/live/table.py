@@ -33,8 +33,8 @@ from shipid.trials.missing_marks import LARGEST
 _HEAD = 200
 #: So many samples may be needed to know what kind of clock a log has.
 _FIRST = 3
-#: Numbers that need no second look.
-_PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]{1,3})?")
+#: Numbers that need no second look, by the decimal sign.
+_PLAIN = {sign: re.compile(rf"[-+]?[0-9]+(\{sign}[0-9]*)?([eE][-+]?[0-9]{{1,3}})?") for sign in (".", ",")}
 
 
 class LiveSample(NamedTuple):
@@ -290,14 +290,16 @@ class LiveTable:
             yield from self._sample(number, cells)
 
     def _plain(self, cell: str) -> str:
-        """A cell of the clock with a decimal point."""
+        """A cell of the clock with a decimal point; a date or a time of day as it is."""
+        if _PLAIN["."].fullmatch(cell) or ":" in cell or "/" in cell:
+            return cell
         value = self._number(cell)
-        return cell if np.isnan(value) or _PLAIN.fullmatch(cell) else repr(value)
+        return cell if np.isnan(value) else repr(value)
 
     def _number(self, cell: str) -> float:
         """The number in a cell; NaN where it is none."""
-        if self._sign != "," and _PLAIN.fullmatch(cell):
-            return float(cell)
+        if _PLAIN[self._sign or "."].fullmatch(cell):
+            return float(cell.replace(",", "."))
         if self._sign is None:
             self._sign = certain_sign(cell)
         return float(read_numbers(pd.Series([cell], dtype="str"), self._sign or ".")[0][0])
