@@ -11,7 +11,7 @@ from shipid.trials.filling import GAP, usual_interval
 
 _MAD = 1.4826
 #: Coefficients of a robust regression that move by less than this share of the largest of them have settled.
-_SETTLED = 1e-10
+_SETTLED = 1e-6
 
 
 def spread(values: np.ndarray) -> float:

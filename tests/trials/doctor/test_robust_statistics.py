@@ -26,8 +26,9 @@ def test_reweighting_ends_where_nothing_moves_any_more(line, monkeypatch):
     monkeypatch.setattr(np.linalg, "lstsq", lambda *a, **k: (count.append(1), solved(*a, **k))[1])
     found = regress(*line)
     assert found is not None and after_all is not None
-    assert len(count) < 18
-    assert found.value == pytest.approx(after_all.value, rel=1e-8)
-    assert found.sigma == pytest.approx(after_all.sigma, rel=1e-8)
+    assert len(count) < 12
+    # What is left to move is nothing beside what the coefficients are uncertain by.
+    assert np.all(np.abs(found.value - after_all.value) <= 1e-4 * found.std)
+    assert found.sigma == pytest.approx(after_all.sigma, rel=1e-4)
     # The wild rows, one in ten, do not turn it.
     assert np.abs(found.value - [2.0, 0.5]).max() < 4 * found.std.max()
